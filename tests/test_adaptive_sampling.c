@@ -492,6 +492,59 @@ static void the_count_is_the_ratio_of_deviations(void **state)
                 "sigma^2 2^%d, lambda 2^%d: n = sigma / sqrt(lambda)", 2 * k + e, e);
 }
 
+enum { middles = 11 };
+
+/* Neyman's number is sqrt(2) 2^k, or a little less or more: of predictions, too. `at`: sigma^2 /
+ * lambda over 2 4^k. */
+static void ask_near_middles(const float at[middles], int exponent, uint32_t counts[middles],
+                             double samples[middles])
+{
+    for (int k = 2; k < middles; k++) {
+        const float variance = ldexpf(at[k], 2 * k + 1 + exponent), lambda = ldexpf(1, exponent);
+        const rk_adaptive_estimate one = {variance, 4, 0};
+        counts[k] = rk_adaptive_count(variance, lambda, 4096);
+        samples[k] = rk_adaptive_predict(&one, 1, lambda, 4096, 0.5).samples;
+    }
+}
+
+static void check_near_middles(void)
+{
+    float below[middles], middle[middles], above[middles];
+    for (int k = 0; k < middles; k++) {
+        /* A float log2 is off by up to 1.5 of its ulps, which is ln 2 times as much of its argument
+         * (here 1.04), and the argument by a rounding. */
+        const float log = (float)(2 * k + 1), ulp = nextafterf(log, INFINITY) - log;
+        below[k] = 1 - 1.25f * ulp;
+        middle[k] = 1;
+        above[k] = nextafterf(1, 2);
+    }
+    const struct {
+        const float *at;
+        const char *said;
+        int exponent, more;
+    } near[] = {{below, "just below the middle between", 0, 0},
+                {middle, "exactly in the middle between", 0, 1},
+                {middle, "exactly in the middle between", -60, 1},
+                {middle, "exactly in the middle between", 61, 1},
+                {above, "one float above the middle between", 0, 1}};
+    uint32_t counts[5][middles];
+    double samples[5][middles];
+    for (int i = 0; i < 5; i++)
+        ask_near_middles(near[i].at, near[i].exponent, counts[i], samples[i]);
+    for (int i = 0; i < 5; i++)
+        for (int k = 2; k < middles; k++) {
+            rk_check_near(counts[i][k], ldexp(1, k + near[i].more), 0,
+                          "sigma^2 / lambda %.9g, lambda 2^%d: n is %s 2^%d and 2^%d",
+                          ldexp((double)near[i].at[k], 2 * k + 1), near[i].exponent, near[i].said,
+                          k, k + 1);
+            rk_check_near(
+                samples[i][k], ldexp(1, k + near[i].more), 0,
+                "a prediction's samples, sigma^2 / lambda %.9g, lambda 2^%d: n is %s 2^%d "
+                "and 2^%d",
+                ldexp((double)near[i].at[k], 2 * k + 1), near[i].exponent, near[i].said, k, k + 1);
+        }
+}
+
 static void the_count_is_the_nearest_power_of_two_by_logarithm(void **state)
 {
     (void)state;
@@ -510,6 +563,7 @@ static void the_count_is_the_nearest_power_of_two_by_logarithm(void **state)
             "times the first",
             (double)above, k, k, k + 1);
     }
+    check_near_middles();
 }
 
 static void counts_have_limits(void **state)
@@ -626,6 +680,32 @@ static void check_constant_estimates(void)
     rk_read_only_free();
 }
 
+/* From every sum of powers of two to powers of two. */
+static void check_begun_doublings(void)
+{
+    enum { from = 4, to = 300, powers = 8 };
+    static double got[to][powers];
+    for (uint32_t n = from; n < to; n++)
+        for (int k = 2; k < powers; k++) {
+            const rk_adaptive_estimate one = {(float)n, n, 1u << k};
+            got[n][k] = rk_adaptive_predict(&one, 1, INFINITY, 512, 0.25).variance;
+        }
+    for (uint32_t n = from; n < to; n++)
+        for (int k = 2; k < powers; k++) {
+            const uint32_t count = 1u << k;
+            double want = 1;
+            for (uint32_t more = n; more < count; more *= 2)
+                want /= 4;
+            for (uint32_t more = count; more < n; more *= 2)
+                want *= 4;
+            rk_check_near(got[n][k], want, 1e-9 * want,
+                          "a variance of 1, by %u samples, predicted for %u, if a doubling "
+                          "multiplies it by 1/4: the last doubling or halving counts as soon as it "
+                          "is begun (from 36 to 4 samples there are four, as to 2.25)",
+                          n, count);
+        }
+}
+
 static void a_prediction_adds_up_pixels(void **state)
 {
     (void)state;
@@ -648,6 +728,7 @@ static void a_prediction_adds_up_pixels(void **state)
                    "from 20 to 32 samples: one doubling");
     rk_check_close(rk_adaptive_predict(&sums[1], 1, 1, 32, 0.25).variance, 64, 1e-9,
                    "from 20 to 4 samples: three halvings, to 10, 5 and below");
+    check_begun_doublings();
 }
 
 static void a_prediction_is_exact_for_independent_samples(void **state)

@@ -226,9 +226,9 @@ rk_adaptive_prediction rk_adaptive_predict(const rk_adaptive_estimate *estimates
         if (count < estimates[i].least)
             count = estimates[i].least;
         double variance = (double)estimates[i].variance / estimates[i].count;
-        for (uint32_t n = estimates[i].count; n < count; n *= 2)
+        for (uint64_t n = estimates[i].count; n < count; n *= 2)
             variance *= ratio;
-        for (uint32_t n = estimates[i].count; n > count; n /= 2)
+        for (uint64_t n = count; n < estimates[i].count; n *= 2)
             variance /= ratio;
         sum.samples += count;
         sum.variance += variance;

@@ -124,9 +124,10 @@ float rk_adaptive_own_variance(const rk_pixel_samples *pixel);
 float rk_adaptive_pooled_variance(const float *variance, float picture, uint32_t count,
                                   uint32_t width, uint32_t height, uint32_t x, uint32_t y);
 
-/* Returns Neyman's n for the pixel, rounded by logarithm to the nearest power of two (sqrt(2) to 2,
- * what is less to 1), from RK_ADAPTIVE_BLOCKS to `most`, which is one, too. A variance of NaN gets
- * RK_ADAPTIVE_BLOCKS. */
+/* Returns Neyman's n for the pixel, rounded by logarithm to the nearest power of two, from
+ * RK_ADAPTIVE_BLOCKS to `most`, which is one, too. Where sigma^2 / lambda is 2 n^2, the middle
+ * between n and 2 n, that is 2 n; also below it, where log2(sigma^2 / lambda), rounded to a float,
+ * is the middle's, it may be 2 n. A variance of NaN gets RK_ADAPTIVE_BLOCKS. */
 uint32_t rk_adaptive_count(float variance, float lambda, uint32_t most);
 
 /* A picture, before it is rendered. */
@@ -138,7 +139,7 @@ typedef struct rk_adaptive_prediction {
 /* Of `pixels` pixels, if each takes rk_adaptive_count samples, or its least number, and if each
  * doubling multiplies V by `ratio`. Doublings and halvings are counted whole, the last one as soon
  * as it is begun: estimates come from sums of powers of two, so from 20 to 32 samples V is
- * multiplied once, from 20 to 4 divided three times. */
+ * multiplied once, from 20 to 4 divided three times, and from 36 to 4, 9 times as few, four. */
 rk_adaptive_prediction rk_adaptive_predict(const rk_adaptive_estimate *estimates, size_t pixels,
                                            float lambda, uint32_t most, double ratio);
 
