@@ -936,6 +936,45 @@ static bool check_area_fits(const part *p, rk_vec2 from)
     return true;
 }
 
+/* The height with this area beyond it, by bisection. */
+static double height_of_area(double area)
+{
+    double low = -1, high = 1;
+    for (int i = 0; i < 60; i++) {
+        double middle = (low + high) / 2;
+        if (area_beyond(middle) > area)
+            low = middle;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+/* At the ends of chords and close to them, on long chords, against the same in double: floats,
+ * whose roundings count up to five times as much on the shortest of these, come within 1e-6. */
+static void check_ends_of_chords(void)
+{
+    uint32_t cut = 0;
+    for (uint32_t i = 0; i < 2000; i++) {
+        float radius = 0.5f + noise(61, i, 0);
+        setting s = setting_at(90 * pow((double)noise(61, i, 1), 3), i);
+        part p = part_of(&s, radius);
+        if (!(p.line > -1))
+            continue;
+        cut++;
+        double short_of_end = i % 8 == 0 ? 0 : pow(10, -1 - 6 * (double)noise(61, i, 2));
+        double from_up = i % 5 == 0 ? -0.9 : 1.8 * (double)noise(61, i, 3) - 0.9;
+        double place = i % 2 ? 1 - short_of_end : short_of_end - 1;
+        rk_vec2 from = point_upright(&p, from_up, place * sqrt(1 - from_up * from_up));
+        rk_dvec3 at = seen_upright(&p, from);
+        double up = height_of_area((double)(float)p.fraction * area_beyond(at.x));
+        double end = fmin(fmax(at.y / sqrt(1 - at.x * at.x), -1), 1);
+        check_moved(&p, from, up, end * sqrt(1 - up * up), 1e-6,
+                    "near an end of its chord, and there it stays");
+    }
+    rk_check(cut > 500, "only %u of 2000 disks are cut by the face", cut);
+}
+
 static void points_move_until_the_area_beyond_them_fits(void **state)
 {
     (void)state;
@@ -969,6 +1008,7 @@ static void points_move_until_the_area_beyond_them_fits(void **state)
             &p, point_upright(&p, i % 2 ? up : -up, 0.9 * end * (2 * (double)noise(41, i, 3) - 1)));
     }
     rk_check(cut > 5000, "only %u of 30000 points are in disks cut by the face", cut);
+    check_ends_of_chords();
 }
 
 /* Where little area is left, few roundings are a large part of it. */

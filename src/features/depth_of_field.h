@@ -33,7 +33,8 @@ rk_ray rk_lens_ray(const rk_lens *lens, const rk_view *view, float x, float y, r
  * the camera, and the circle grows by 1 / cos of the ray's angle to the view; this is to first
  * order in A / d. t is above 0 and may be infinite, and so may f: then the circle is A / d, and 0
  * infinitely far away. The unit of length does not matter: where all lengths are 1e-30 or 1e30
- * times as large, the circle is the same, though a product of two of them is 0 or infinite. */
+ * times as large, the circle is the same, though a product of two of them is 0 or infinite. So may
+ * d / f be: of a far point and a tiny f the circle is A / f. */
 float rk_lens_coc_diameter(const rk_lens *lens, const rk_view *view, const rk_ray *ray, float t);
 
 /* Circles of confusion of a smaller diameter, in pixels, count as points. */
