@@ -112,6 +112,10 @@ static void the_ray_moves_the_other_way(void **state)
              rk_mistake_in_vector(RK_XYZ(moved.origin), (const double[]){0.5, 3, 3}, 0,
                                   RK_VECTOR_MISTAKES({{1.5, 1, 3}, "the offset is added"},
                                                      {{1, 2, 3}, "the ray is not moved"})));
+    const rk_vec3 deep = rk_motion_ray(rk_vec(0.5f, -1, 2), &ray).origin;
+    rk_check(deep.x == 0.5f && deep.y == 3 && deep.z == 1,
+             "offset (0.5, -1, 2): got the origin (%g, %g, %g), want (0.5, 3, 1)", (double)deep.x,
+             (double)deep.y, (double)deep.z);
     rk_check(
         memcmp(&moved.direction, &ray.direction, sizeof ray.direction) == 0,
         "got the direction (%g, %g, %g), want (0.5, 0.25, -1): a direction has no position to move",

@@ -559,7 +559,7 @@ static void the_first_of_equally_cheap_splits_is_taken(void **state)
              "first wins",
              best ? "xyz"[best->axis] : '-', best ? best->boundary : 0);
     /* Splits of a node of billions of triangles, all of which are tested. */
-    const double costs[] = {4e9, 3e9, 3e9 - 1, 3e9 - 1};
+    const double lower = nextafter(3e9, 0), costs[] = {4e9, 3e9, lower, lower};
     rk_sah_split costly[4];
     for (uint32_t k = 0; k < 4; k++) {
         costly[k] = candidates[k];
@@ -568,11 +568,12 @@ static void the_first_of_equally_cheap_splits_is_taken(void **state)
     for (uint32_t count = 1; count <= 4; count++) {
         best = rk_sah_cheapest(costly, count);
         uint32_t want = count < 3 ? count - 1 : 2;
-        rk_check(
-            best == &costly[want],
-            "the first %u of candidates that cost 4e9, 3e9, 3e9 - 1, 3e9 - 1: got %s, want that of "
-            "%.10g: no cost is too high to be the lowest, and costs are compared in double",
-            count, best ? "another" : "none", costs[want]);
+        rk_check(best == &costly[want],
+                 "the first %u of candidates that cost 4e9, 3e9, and twice the next lower double: "
+                 "got %s, "
+                 "want that of %.17g: no cost is too high to be the lowest, and costs are compared "
+                 "in double",
+                 count, best ? "another" : "none", costs[want]);
     }
 }
 

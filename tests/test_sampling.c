@@ -578,11 +578,12 @@ static void every_samples_number_is_the_scrambled_point_of_its_index(void **stat
         }
 }
 
-/* Runs of up to 97 pairs, and one of none before each: they write their own pairs and no other. */
+/* Runs of up to 97 pairs and of all but the first, and one of none before each: they write their
+ * own pairs and no other. */
 static void check_runs(const rk_sampler *sampler, uint32_t pixel, uint32_t n, uint32_t dimension)
 {
     enum { most = 600 };
-    static rk_vec2 run[most + 1], before[most];
+    static rk_vec2 run[most + 1], before[most], whole[most];
     for (uint32_t i = n; i-- > 0;)
         before[i] = rk_joint_2d(sampler, pixel, i, dimension);
     for (uint32_t i = 0; i <= n; i++)
@@ -598,9 +599,32 @@ static void check_runs(const rk_sampler *sampler, uint32_t pixel, uint32_t n, ui
                 dimension, pairs, pairs == 1 ? "" : "s", first);
         }
     }
+    rk_joint_2d_run(sampler, pixel, 1, n - 1, dimension, whole);
     for (uint32_t i = 0; i < n; i++)
         rk_check(run[i].x == before[i].x && run[i].y == before[i].y,
                  "dimension %u: sample %u of the run differs", dimension, i);
+    for (uint32_t i = 1; i < n; i++)
+        rk_check(whole[i - 1].x == before[i].x && whole[i - 1].y == before[i].y,
+                 "dimension %u: sample %u of a run of %u from 1 on differs", dimension, i, n - 1);
+}
+
+/* From the sample before a power of two to that after it all digits change. */
+static void check_runs_over_powers(const rk_sampler *own, uint32_t pixel, uint32_t dimension)
+{
+    enum { powers = 23 };
+    rk_sampler sampler = *own;
+    sampler.samples = RK_SAMPLES_MAX;
+    rk_vec2 run[powers][3], want[powers][3];
+    for (uint32_t k = 1; k < powers; k++) {
+        for (uint32_t i = 0; i < 3; i++)
+            want[k][i] = rk_joint_2d(&sampler, pixel, (1u << k) - 1 + i, dimension);
+        rk_joint_2d_run(&sampler, pixel, (1u << k) - 1, 3, dimension, run[k]);
+    }
+    for (uint32_t k = 1; k < powers; k++)
+        for (uint32_t i = 0; i < 3; i++)
+            rk_check(run[k][i].x == want[k][i].x && run[k][i].y == want[k][i].y,
+                     "dimension %u: sample %u of a run of 3 from 2^%u - 1 on differs", dimension,
+                     (1u << k) - 1 + i, k);
 }
 
 static void check_constant_sampler(const rk_sampler *own)
@@ -618,8 +642,10 @@ static void a_run_is_its_samples_one_by_one_in_any_order(void **state)
     (void)state;
     check_constant_sampler(&joint);
     for (uint32_t k = 0; k < DECISIONS; k++)
-        if (decisions[k].count == 2)
+        if (decisions[k].count == 2) {
             check_runs(&joint, 5, 600, decisions[k].dimension);
+            check_runs_over_powers(&joint, 5, decisions[k].dimension);
+        }
 }
 
 static void the_number_of_samples_changes_none_of_them(void **state)
@@ -1199,6 +1225,32 @@ static void check_many_samples(void)
     }
 }
 
+static int compare_floats(const void *a, const void *b)
+{
+    float x = *(const float *)a, y = *(const float *)b;
+    return (x > y) - (x < y);
+}
+
+/* The first samples of a whole square, 2^20 apart: their points' first 24 digits in dimension 1 are
+ * all different, because all 32 digits of the index count there. */
+static void check_last_digits(void)
+{
+    enum { pixels = 64 * 64 };
+    static float first[pixels];
+    const rk_sampler sampler = shared_by(5, 1u << 20);
+    for (uint32_t i = 0; i < pixels; i++)
+        first[i] = coordinate(&sampler, pixel_at(64 + i % 64, 128 + i / 64), 0, 1);
+    qsort(first, pixels, sizeof *first, compare_floats);
+    uint32_t equal = 0;
+    for (uint32_t i = 1; i < pixels; i++)
+        equal += first[i] == first[i - 1];
+    rk_check(equal == 0,
+             "2^20 samples of each pixel: in dimension 1 the first numbers of %u of the 4096 "
+             "pixels of a square are those of others, want all different: has the index z N all 32 "
+             "bits?",
+             equal);
+}
+
 /* Any n consecutive points of a dimension: those of whole aligned blocks lie one in each part, and
  * of the two blocks that are not whole at most one does. */
 static void any_number_of_samples_is_even_in_squares(void **state)
@@ -1225,6 +1277,7 @@ static void any_number_of_samples_is_even_in_squares(void **state)
                          d, numbers[c], least, most, parts, (double)n / parts);
             }
     check_many_samples();
+    check_last_digits();
 }
 
 /* No two of 4 x 4 squares, by any of the seeds, have the same numbers. */
@@ -1278,6 +1331,14 @@ static void check_squares_of_any_width(void)
                 squares[count++][1] = i / 3;
             }
         check_squares_differ(widths[w], squares, count);
+    }
+    /* Of very high and very wide pictures. */
+    for (uint32_t axis = 0; axis < 2; axis++) {
+        for (uint32_t i = 0; i < 17; i++) {
+            squares[i][axis] = i ? 1u << (i - 1) : 0;
+            squares[i][1 - axis] = 0;
+        }
+        check_squares_differ(axis ? 64 : 1u << 22, squares, 17);
     }
     squares[0][0] = squares[0][1] = 1023;
     for (uint32_t i = 0; i < 20; i++) {
@@ -1465,8 +1526,10 @@ static void a_shared_run_is_its_samples_one_by_one_in_any_order(void **state)
     const uint32_t dimensions[] = {RK_DIMENSION_PIXEL, RK_DIMENSION_LENS, RK_DIMENSION_LIGHT,
                                    RK_DIMENSION_GLOSSY, RK_DIMENSION_FEATURES + 2};
     check_constant_sampler(&sampler);
-    for (uint32_t k = 0; k < 5; k++)
+    for (uint32_t k = 0; k < 5; k++) {
         check_runs(&sampler, 5555, 300, dimensions[k]);
+        check_runs_over_powers(&sampler, 5555, dimensions[k]);
+    }
 }
 
 /* A penumbra: in a pixel, the part of the unit square below a line, which moves slowly over the
