@@ -629,12 +629,41 @@ static void nan_and_infinity_miss(void **state)
     }
 }
 
+/* The determinants are exact: edges and direction are powers of two. */
+static void check_largest_t(void)
+{
+    const float far[] = {0x1p100f, 0x1p127f, FLT_MAX};
+    rk_hit one[3], all[3];
+    uint32_t first[3], first_before[3];
+    for (int i = 0; i < 3; i++) {
+        const rk_triangle triangle = {{-1, -1, far[i]}, {3, -1, far[i]}, {-1, 3, far[i]}, 0};
+        rk_ray ray = {rk_vec(0, 0, 0), rk_vec(0, 0, 1), FLT_MAX};
+        all[i] = (rk_hit){FLT_MAX, 0, 0, RK_MISS};
+        one[i] = rk_watertight_intersect(&triangle, &ray);
+        rk_triangles_closest(&triangle, 1, &ray, &all[i]);
+        first[i] = rk_triangles_first_hit(&triangle, 1, &ray);
+        ray.t_max = nextafterf(far[i], 0);
+        first_before[i] = rk_triangles_first_hit(&triangle, 1, &ray);
+    }
+    for (int i = 0; i < 3; i++) {
+        rk_check_near(one[i].t, far[i], 0, "a hit at %g", (double)far[i]);
+        rk_check_near(all[i].t, far[i], 0, "the closest hit of a leaf at %g", (double)far[i]);
+        rk_check(all[i].triangle == 0, "the closest hit of a leaf at %g: got a miss",
+                 (double)far[i]);
+        rk_check(first[i] == 0, "the first hit of a leaf at %g: got none", (double)far[i]);
+        rk_check(first_before[i] == 1,
+                 "the first hit of a leaf up to the float below %g: got one, want none",
+                 (double)far[i]);
+    }
+}
+
 static void a_t_out_of_range_is_defined(void **state)
 {
     (void)state;
     rk_triangle triangle = {{-1, -1, 1}, {3, -1, 1}, {-1, 3, 1}, 0};
     rk_ray ray = {rk_vec(0, 0, 0), rk_vec(0, 0, FLT_TRUE_MIN), INFINITY};
     check_miss(triangle, ray, "t would be above FLT_MAX");
+    check_largest_t();
     triangle.a.z = triangle.b.z = triangle.c.z = FLT_TRUE_MIN;
     ray.direction.z = FLT_MAX;
     rk_check_close(rk_watertight_intersect(&triangle, &ray).t, FLT_TRUE_MIN, 0,

@@ -1006,7 +1006,8 @@ static void counts_of_several_rays_add_up(void **state)
     rk_wide_bvh wide = build(&mesh);
     rk_counters total, sum = {0}, before;
     memset(&total, 5, sizeof total); /* all counters, also those of others */
-    total.box_tests = 7, total.triangle_tests = (uint64_t)1 << 40;
+    const uint64_t counted = (uint64_t)1 << 40;
+    total.box_tests = counted + 7, total.triangle_tests = counted;
     before = total;
     for (uint32_t i = 0; i < 20; i++) {
         rk_ray ray = make_ray(i, 3, rk_mesh_bounds(&mesh));
@@ -1021,13 +1022,14 @@ static void counts_of_several_rays_add_up(void **state)
         rk_counters_add(&sum, &occluded);
         rk_wide_bvh_occluded(&wide, &ray, &total);
     }
-    rk_check(total.box_tests == sum.box_tests + 7,
-             "box tests: the counter was 7, and 40 calls with counters of their own counted %llu: "
+    rk_check(total.box_tests == sum.box_tests + counted + 7,
+             "box tests: the counter was 2^40 + 7, and 40 calls with counters of their own counted "
+             "%llu: "
              "got %llu, want the sum%s",
              (unsigned long long)sum.box_tests, (unsigned long long)total.box_tests,
-             total.box_tests < 7 + sum.box_tests ? ": is it set, not added to?" : "");
+             total.box_tests >> 40 ? "" : ": is it set, not added to? Or of 32 bits?");
     rk_check(
-        total.triangle_tests == sum.triangle_tests + ((uint64_t)1 << 40),
+        total.triangle_tests == sum.triangle_tests + counted,
         "triangle tests: the counter was 2^40, and 40 calls with counters of their own counted "
         "%llu: got %llu, want the sum%s",
         (unsigned long long)sum.triangle_tests, (unsigned long long)total.triangle_tests,
