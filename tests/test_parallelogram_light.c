@@ -1175,9 +1175,33 @@ static void solid_angle_samples_are_unbiased_at_the_limits(void **state)
                    CONFIGURATIONS / 3, CONFIGURATIONS);
 }
 
+/* Of lights with the same four colours, with area and without. */
+static void check_flat_colours(void)
+{
+    enum { count = 40, shapes = 4 };
+    const rk_light whole = make_coloured(RK_LIGHT_PARALLELOGRAM);
+    const rk_vec3 zero = {0, 0, 0}, edge = {0, 4, 0};
+    const rk_vec3 edges[shapes][2] = {{edge, zero}, {zero, edge}, {edge, edge}, {zero, zero}};
+    rk_vec3 want[count], got[shapes][count];
+    for (uint32_t i = 0; i < count; i++) {
+        rk_vec2 xi = noise2(51, i);
+        want[i] = plain_sample(&whole, xi.x, xi.y).colour;
+        for (int k = 0; k < shapes; k++) {
+            rk_light flat = whole;
+            flat.edge01 = edges[k][0], flat.edge02 = edges[k][1];
+            got[k][i] = plain_sample(&flat, xi.x, xi.y).colour;
+        }
+    }
+    for (uint32_t i = 0; i < count; i++)
+        for (int k = 0; k < shapes; k++)
+            check_vec3(got[k][i], want[i], 0x1p-22f,
+                       "a parallelogram without area still mixes its four colours");
+}
+
 static void without_falloff_a_light_without_area_is_a_segment(void **state)
 {
     (void)state;
+    check_flat_colours();
     rk_light flat = make_coloured(RK_LIGHT_PARALLELOGRAM),
              segment = make_coloured(RK_LIGHT_SEGMENT);
     flat.edge02 = rk_vec(0, 0, 0);

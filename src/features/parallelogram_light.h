@@ -34,8 +34,8 @@ typedef struct rk_light_sample {
  * estimates the reflected light of an unoccluded light; a sample whose shadow ray, from the point
  * to the position, is occluded counts as 0 in that mean. Uniform, stratified and low-discrepancy
  * sampling differ only in how xi is drawn (base/sampler.h). A parallelogram without area, its edges
- * parallel or zero, acts as a segment or a point without falloff; with it, radiance from no area is
- * no light. Finite for distances from 1e-15 to 1e15. */
+ * parallel or zero, acts as a segment or a point without falloff, in the mix of its four colours;
+ * with it, radiance from no area is no light. Finite for distances from 1e-15 to 1e15. */
 rk_light_sample rk_light_sample_at(const rk_light *light, rk_light_falloff falloff,
                                    rk_light_domain domain, rk_vec3 point, rk_vec2 xi);
 
