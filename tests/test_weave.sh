@@ -298,6 +298,28 @@ END
     is_refused '01_one.md:3: a: a worked example has no names'
     verdict it_has_numbers_alone
 
+    # A driver that says something else without shadows.
+    mkdir -p "$folder/assignments/05_says"
+    printf '#!/bin/sh\ncase "$*" in *--shadows*) echo "  shadow ray    occluded" ;; *) echo lit ;; esac\n' >"$folder/assignments/05_says/says"
+    chmod +x "$folder/assignments/05_says/says"
+    says() { printf '# One\n\n[In a shadow, it is *occluded*]{.printed driver=says %s}.\n' "$1" >"$texts/01_one.md"; }
+
+    says 'args=--shadows runs="--pixel 1,2; --pixel 3,4" prints="shadow ray occluded; occl" lacks=lit'
+    is_woven && tr '\n' ' ' <"$page" | grep -q 'class="checked"[^>]*>In a shadow' && grep -q '^reports/01_one.md: 1 sentence holds' "$folder/said1"
+    verdict a_sentence_that_a_driver_bears_out_is_woven
+
+    says 'runs="--shadows; --pixel 3,4" prints=occluded'
+    is_refused '01_one.md:3: "In a shadow, it is occluded" needs "occluded" in the output of: says  --pixel 3,4'
+    verdict it_must_hold_of_each_run
+
+    says 'args=--shadows lacks="lamp; ray occluded"'
+    quick=1 is_refused '01_one.md:3: "In a shadow, it is occluded" needs no "ray occluded" in the output of: says --shadows'
+    verdict what_must_not_be_printed_is_a_mistake_in_a_trial_too
+
+    says args=--shadows
+    is_refused '01_one.md:3: .printed needs prints="..." or lacks="..."'
+    verdict a_sentence_of_which_nothing_is_asked_is_a_mistake
+
     # A driver whose runs take 3 ms, and a sentence that says otherwise.
     mkdir -p "$folder/assignments/04_clock"
     cat >"$folder/assignments/04_clock/clock" <<'END'

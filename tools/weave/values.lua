@@ -26,6 +26,11 @@
 --   [1 + 2 + 4 is 7]{.worked that="1 + 2 + 4 == 7"}
 -- is the arithmetic of an example worked by hand, without names. It stays as it is, and is always judged.
 --
+--   [In a shadow, it is `occluded`]{.printed driver=shading args="--shadows" runs="--pixel 3,4; --pixel 5,6"
+--     prints="occluded; hit triangle 9" lacks="no hit"}
+-- is a sentence about what the driver prints, by args and each of the runs: all of prints, nothing of lacks,
+-- whatever the spaces. It stays as it is, and is always judged, except with a student's units.
+--
 -- Expressions are Lua's, with the names, and min, max, abs and sqrt. Lua's numbers are C's: 2^53 is a double,
 -- and ~ between whole numbers is xor.
 
@@ -239,6 +244,38 @@ local function worked(span)
   judge(span, "holds", not result and
     string.format('"%s" needs %s', pandoc.utils.stringify(span.content), that) or nil)
   return result and span.content or contradicted(span, that, that, true)
+end
+
+-- What lies between semicolons; one empty text where there is nothing.
+local function list_of(text)
+  local parts = pandoc.List()
+  for part in ((text or "") .. ";"):gmatch("%s*(.-)%s*;") do parts:insert(part) end
+  return parts
+end
+
+-- Why a run's output contradicts a sentence, or nil.
+local function contradiction(span, text, command)
+  for attribute, no in pairs({prints = "", lacks = "no "}) do
+    for _, part in ipairs(span.attributes[attribute] and list_of(span.attributes[attribute]) or {}) do
+      if (text:find(part, 1, true) == nil) == (no == "") then
+        return string.format('needs %s"%s" in the output of: %s', no, part, command)
+      end
+    end
+  end
+end
+
+function values.printed(span)
+  local a, wrong = span.attributes, nil
+  if not a.prints and not a.lacks then fail_at(span, '.printed needs prints="..." or lacks="..."') end
+  if drive.units ~= "" then return span.content end
+  drive.each(list_of(a.runs), function(run)
+    local args = ((a.args or "") .. " " .. run):gsub("%s+$", "")
+    local text = drive.run(span, args .. " --quiet", drive.scraps):gsub("%s+", " ")
+    wrong = wrong or contradiction(span, text, a.driver .. " " .. args)
+  end)
+  judge(span, "holds", wrong and string.format('"%s" %s', pandoc.utils.stringify(span.content), wrong) or nil)
+  if wrong then return contradicted(span, wrong, wrong, true) end
+  return pandoc.Span(span.content, {class = "checked", title = "printed by " .. a.driver, tabindex = "0"})
 end
 
 local function value(span)

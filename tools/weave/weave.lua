@@ -83,7 +83,8 @@
 --   [sobol]{.default driver=depth_of_field option=lens-sampling}
 -- becomes the default of the driver's option.
 --
--- Sentences that the numbers must bear out, .check, and numbers computed from others, .value: see values.lua.
+-- Sentences that numbers or a driver's output must bear out, .check and .printed, and numbers computed from
+-- others, .value: see values.lua.
 --
 --   [the suite](file:tests/test_bvh_median.c), [the section](report:bvh_median), [the chapter](book:boxes)
 -- link to a file of the source tree and to a heading of the report or the book; [here](#boxes) to
@@ -323,7 +324,7 @@ end
 
 -- Directives that ask for drivers' runs.
 local asking = {figure = true, timings = true, table = true, plot = true, live = true, wrong = true,
-  output = true, measured = true, steps = true}
+  output = true, measured = true, printed = true, steps = true}
 
 local function note(directives)
   return function(element)
@@ -374,7 +375,7 @@ function weave.filters(own)
   local divs = {figure = figures, timings = tables.timings, table = tables.table, plot = plot,
     live = live.figure, wrong = wrong.wrong(weave.resolve), steps = wrong.steps}
   for class, directive in pairs(own.Div or {}) do divs[class] = directive end
-  local spans = {measured = tables.measured, default = defaults}
+  local spans = {measured = tables.measured, printed = values.printed, default = defaults}
   for class, directive in pairs(own.Span or {}) do spans[class] = directive end
   local function code_block(block)
     return block.classes[1] ~= "values" and own.CodeBlock and own.CodeBlock(block) or nil
