@@ -12,7 +12,9 @@ static const char summary[] =
     "--debug threshold shows bright pixels in red, --debug mask the bloom alone.\n"
     "--errors puts time and error of each --bloom-method into a table.\n"
     "--histogram puts how many pixels are how bright, and how many at or above the threshold, into "
-    "the tables bloom_histogram and bloom_bright.";
+    "the tables bloom_histogram and bloom_bright.\n"
+    "--halo puts how many pixels the bloom reaches, and how bright it is, into the table "
+    "bloom_halo.";
 
 /* The renderer adds no bloom where copies of its picture get it. */
 static bool prepare(rk_driver *driver, rk_error *error)
@@ -32,7 +34,7 @@ static bool choose(rk_driver *driver, rk_error *error)
     choices *c = driver->choices;
     c->bloom = driver->render.bloom;
     driver->render.bloom.on =
-        c->bloom.on && !driver->debug && !driver->timing && !c->errors && !c->histogram;
+        c->bloom.on && !driver->debug && !driver->timing && !c->errors && !c->histogram && !c->halo;
     return true;
 }
 
@@ -100,6 +102,8 @@ static const rk_option options[] = {
      "put time and error of each method into DIR/tables/bloom_errors.csv instead of drawing"},
     {"histogram", RK_FIELD(choices, histogram), NULL,
      "put the numbers of pixels by luminance into tables instead of drawing"},
+    {"halo", RK_FIELD(choices, halo), NULL,
+     "put width and brightness of the bloom alone into a table instead of drawing"},
     {0},
 };
 
@@ -124,6 +128,7 @@ int main(int argc, char **argv)
             (rk_driver_view[]){{"threshold", draw_view, false}, {"mask", draw_view, false}, {0}},
         .studies = (rk_driver_study[]){{&c.errors, put_study, false},
                                        {&c.histogram, put_histogram, false},
+                                       {&c.halo, put_halo, false},
                                        {0}},
         .choose = choose,
         .prepare = prepare,

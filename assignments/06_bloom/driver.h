@@ -7,7 +7,7 @@
 
 typedef struct choices {
     float light; /* factor for the colours of the scene's lights */
-    bool errors, histogram;
+    bool errors, histogram, halo;
     rk_bloom_options bloom; /* as given; see prepare */
 } choices;
 
@@ -32,7 +32,8 @@ bool draw_view(rk_driver *driver, rk_error *error);
 /* Renders without bloom and puts the table of --errors. */
 bool put_study(rk_driver *driver, rk_error *error);
 
-/* Renders without bloom and puts the tables of --histogram. */
+/* Render without bloom and put the tables of --histogram and of --halo. */
 bool put_histogram(rk_driver *driver, rk_error *error);
+bool put_halo(rk_driver *driver, rk_error *error);
 
 #endif

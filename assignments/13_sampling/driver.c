@@ -11,7 +11,8 @@ static const char summary[] =
     "--debug points draws points in two of their dimensions, --debug order pixels in Z order.\n"
     "--debug error shows the error of a picture with --samples N, four times as large: grey is 0.\n"
     "--convergence writes tables: the error of each kind of samples, and how fast it falls;\n"
-    "--blurred the error of few samples after a blur, --spectrum its power by frequency.";
+    "--blurred the error of few samples after a blur, --spectrum its power by frequency;\n"
+    "--pairs how well points are distributed in each pair of dimensions.";
 
 RK_NAMES(effect_names, effect, EFFECT_AMBIENT, "pixel", "lens", "light", "mirror", "penumbra",
          "ambient");
@@ -42,6 +43,8 @@ static const rk_option options[] = {
      "write a table: errors of few samples, in single pixels and after a blur"},
     {"spectrum", RK_FIELD(choices, spectrum), NULL,
      "write a table: the power of the error by frequency"},
+    {"pairs", RK_FIELD(choices, pairs), NULL,
+     "write a table: the share of squares without any of --points, by pair of dimensions"},
     {"most", RK_FIELD(choices, most), "N", "largest number of samples for --convergence", 8, 4096,
      128},
     {"reference", RK_FIELD(choices, reference), "N",
@@ -133,6 +136,7 @@ int main(int argc, char **argv)
         .studies = (rk_driver_study[]){{&c.convergence, put_convergence, false},
                                        {&c.blurred, put_blurred, false},
                                        {&c.spectrum, put_spectrum, false},
+                                       {&c.pairs, put_pairs, true},
                                        {0}},
         .choose = choose,
         .put_rows = put_rows,

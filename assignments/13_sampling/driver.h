@@ -31,7 +31,7 @@ typedef struct choices {
     uint32_t points, x, y; /* number, and dimensions along the axes */
     bool permuted;         /* digits, in --debug order */
     float blur, gain;      /* of --debug error: standard deviation in pixels, and a factor */
-    bool convergence, blurred, spectrum;
+    bool convergence, blurred, spectrum, pairs;
     uint32_t samples;         /* of the picture */
     uint32_t most, reference; /* samples */
     uint32_t seeds;           /* of --convergence */
@@ -44,6 +44,9 @@ void set_samples(rk_driver *driver, rk_sampler_kind kind, uint32_t samples);
 bool draw_points(rk_driver *driver, rk_error *error);
 bool draw_order(rk_driver *driver, rk_error *error);
 bool draw_error(rk_driver *driver, rk_error *error);
+
+/* Writes the table of --pairs. */
+bool put_pairs(rk_driver *driver, rk_error *error);
 
 /* Writes the tables of --convergence. */
 bool put_convergence(rk_driver *driver, rk_error *error);

@@ -4,10 +4,18 @@
 #include "base/scramble.h"
 #include "base/table.h"
 #include "driver/convergence.h"
+#include "driver/number_row.h"
 #include "features/shading.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
+
+/* These pictures show no scene; names and captions don't, either. */
+static void name_picture(rk_driver *driver, const char *name)
+{
+    snprintf(driver->scene.name, sizeof driver->scene.name, "%s", name);
+}
 
 /* --- Points ----------------------------------------------------------------------------------- */
 
@@ -50,6 +58,52 @@ static float point_of(const rk_driver *driver, uint32_t i, uint32_t joint)
     return rk_unit_float(bits);
 }
 
+/* Squares of a side that is a power of two, at most as many as there are points. */
+static uint32_t cells_of(uint32_t points)
+{
+    uint32_t cells = 1;
+    while (4 * cells * cells <= points)
+        cells *= 2;
+    return cells;
+}
+
+/* The share of these squares without a point. */
+static double empty_share(const rk_driver *driver, uint32_t joint_x, uint32_t joint_y)
+{
+    enum { MOST = 256 }; /* a side of 65536 points */
+    const choices *c = driver->choices;
+    const uint32_t side = cells_of(c->points);
+    static bool is_taken[MOST][MOST];
+    uint32_t taken = 0;
+    memset(is_taken, 0, sizeof is_taken);
+    for (uint32_t i = 0; i < c->points; i++) {
+        const float x = point_of(driver, i, joint_x), y = point_of(driver, i, joint_y);
+        bool *cell = &is_taken[(uint32_t)(y * (float)side)][(uint32_t)(x * (float)side)];
+        taken += !*cell;
+        *cell = true;
+    }
+    return 1 - (double)taken / ((double)side * side);
+}
+
+bool put_pairs(rk_driver *driver, rk_error *error)
+{
+    choices *c = driver->choices;
+    name_picture(driver, "unit-square");
+    for (uint32_t x = 0; x < RK_SOBOL_DIMENSIONS; x++)
+        for (uint32_t y = x + 1; y < RK_SOBOL_DIMENSIONS; y++) {
+            double numbers[8] = {x, y, c->points};
+            for (uint32_t kind = 0; kind <= RK_SAMPLER_ZSOBOL; kind++) {
+                c->kind = (rk_sampler_kind)kind;
+                numbers[3 + kind] = empty_share(driver, x, y);
+            }
+            if (!rk_driver_number_row(driver, "sampling_pairs",
+                                      "x y points uniform stratified low_discrepancy sobol zsobol",
+                                      3, numbers, error))
+                return false;
+        }
+    return true;
+}
+
 /* Grey lines between cells: as many on each side as there are points, or about their root. */
 static rk_vec3 paper(size_t x, size_t y, size_t side, uint32_t cells)
 {
@@ -70,12 +124,6 @@ static void put_dot(const rk_image *image, float x, float y, float radius)
         }
 }
 
-/* These pictures show no scene; names and captions don't, either. */
-static void name_picture(rk_driver *driver, const char *name)
-{
-    snprintf(driver->scene.name, sizeof driver->scene.name, "%s", name);
-}
-
 bool draw_points(rk_driver *driver, rk_error *error)
 {
     (void)error;
@@ -83,9 +131,7 @@ bool draw_points(rk_driver *driver, rk_error *error)
     const choices *c = driver->choices;
     const rk_image *image = &driver->image;
     size_t side = image->width < image->height ? image->width : image->height;
-    uint32_t cells = 1;
-    while (4 * cells * cells <= c->points)
-        cells *= 2;
+    const uint32_t cells = cells_of(c->points);
     for (size_t y = 0; y < image->height; y++)
         for (size_t x = 0; x < image->width; x++)
             *rk_image_at(image, x, y) = paper(x, y, side, cells);
