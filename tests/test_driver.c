@@ -503,6 +503,36 @@ static void debug_views_have_pictures_of_their_own(void **state)
     run_free(&leaf);
 }
 
+/* Colour 0 has no blue, colour 1 much; 0.6 of either replaces the surface's own. */
+static void a_level_s_triangles_have_the_colours_of_their_boxes(void **state)
+{
+    const test_folder *folder = *state;
+    const char *const views[] = {"", "--debug level --level 0", "--debug level --level 1"};
+    const char *const suffixes[] = {"", "_level0", "_level1"};
+    rk_image image[3];
+    rk_error error;
+    for (int i = 0; i < 3; i++) {
+        char words[128], name[128];
+        snprintf(words, sizeof words, "--scene statue:500 --width 40 --height 40 %s", views[i]);
+        snprintf(name, sizeof name, "out/figures/bvh_median_statue-500%s.png", suffixes[i]);
+        run r = run_well(folder, words);
+        rk_check_ok(rk_png_read(&image[i], test_folder_path(folder, name).text, &error), error);
+        run_free(&r);
+    }
+    int less = 0, more = 0;
+    for (size_t i = 0; i < 1600; i++) {
+        const float blue = image[0].pixels[i].z;
+        if (blue < 0.05f) /* beside the statue, where only edges are drawn, or too dark to tell */
+            continue;
+        rk_check(image[1].pixels[i].z < 0.4f * blue + 0.01f, "pixel %zu: one box, one colour", i);
+        less += image[2].pixels[i].z < 0.4f * blue + 0.01f;
+        more += image[2].pixels[i].z > 0.4f * blue + 0.2f;
+    }
+    rk_check(less > 20 && more > 20, "two boxes, two colours: of %d and %d pixels", less, more);
+    for (int i = 0; i < 3; i++)
+        rk_image_free(&image[i]);
+}
+
 static void the_splits_of_a_node_are_drawn_and_printed(void **state)
 {
     const test_folder *folder = *state;
@@ -1149,6 +1179,7 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(captions_do_not_contain_the_machines_folders),
     test_in_folder(captions_name_the_present_spelling),
     test_in_folder(debug_views_have_pictures_of_their_own),
+    test_in_folder(a_level_s_triangles_have_the_colours_of_their_boxes),
     test_in_folder(the_splits_of_a_node_are_drawn_and_printed),
     test_in_folder(numbers_of_live_figures_are_put_into_tables),
     test_in_folder(a_traversal_takes_the_unit_s_steps),

@@ -1,10 +1,10 @@
-/* One visit of the tree counts boxes of the wanted level, or leaves, and draws those that are asked
+/* A visit of the tree counts boxes of the wanted level, or leaves, and draws those that are asked
  * for. */
 #include "driver/tree_view.h"
 
 #include <stdio.h>
 
-/* Drawn while visiting the tree: the boxes of one level, or one leaf. */
+/* Drawn while visiting the tree: the boxes of one level with their triangles, or one leaf. */
 typedef struct drawing {
     rk_overlay overlay;
     const rk_driver *driver;
@@ -12,11 +12,29 @@ typedef struct drawing {
     uint32_t boxes, leaves; /* visited so far */
 } drawing;
 
+/* Triangle i in the tree's order. */
+static void paint(drawing *d, uint32_t i, rk_vec3 colour, float alpha)
+{
+    const rk_mesh *mesh = &d->driver->scene.mesh;
+    const uint32_t *corner = mesh->triangles[rk_driver_tree(d->driver)->triangles[i].index];
+    rk_overlay_triangle(&d->overlay, mesh->positions[corner[0]], mesh->positions[corner[1]],
+                        mesh->positions[corner[2]], colour, alpha);
+}
+
+/* Nodes are visited from the root down, so a leaf is below the box of the level that came last. */
+static void paint_level(const rk_bvh_node *node, uint32_t level, void *context)
+{
+    drawing *d = context;
+    d->boxes += level == d->wanted.level;
+    for (uint32_t i = 0; level >= d->wanted.level && i < node->count; i++)
+        paint(d, node->first + i, rk_overlay_colour(d->boxes - 1), 0.6f);
+}
+
 static void draw_level(const rk_bvh_node *node, uint32_t level, void *context)
 {
     drawing *d = context;
     if (level == d->wanted.level)
-        rk_overlay_wireframe(&d->overlay, &node->box, rk_overlay_colour(d->boxes++), 1.5f);
+        rk_overlay_wireframe(&d->overlay, &node->box, rk_overlay_colour(d->boxes++), 2);
 }
 
 static void draw_leaf(const rk_bvh_node *node, uint32_t level, void *context)
@@ -25,13 +43,8 @@ static void draw_leaf(const rk_bvh_node *node, uint32_t level, void *context)
     (void)level;
     if (node->count == 0 || d->leaves++ != d->wanted.leaf)
         return;
-    const rk_mesh *mesh = &d->driver->scene.mesh;
-    for (uint32_t i = 0; i < node->count; i++) {
-        const uint32_t *corner =
-            mesh->triangles[rk_driver_tree(d->driver)->triangles[node->first + i].index];
-        rk_overlay_triangle(&d->overlay, mesh->positions[corner[0]], mesh->positions[corner[1]],
-                            mesh->positions[corner[2]], rk_overlay_colour(i), 1);
-    }
+    for (uint32_t i = 0; i < node->count; i++)
+        paint(d, node->first + i, rk_overlay_colour(i), 1);
     rk_overlay_wireframe(&d->overlay, &node->box, rk_vec(1, 1, 1), 1.5f);
 }
 
@@ -76,7 +89,10 @@ bool rk_tree_view_draw(const rk_tree_view *view, rk_driver *driver, rk_error *er
         return false;
     if (!is_level)
         rk_tree_view_dim(&driver->image);
-    rk_bvh_visit(rk_driver_tree(driver), is_level ? draw_level : draw_leaf, &d);
+    rk_bvh_visit(rk_driver_tree(driver), is_level ? paint_level : draw_leaf, &d);
+    d.boxes = 0;
+    if (is_level)
+        rk_bvh_visit(rk_driver_tree(driver), draw_level, &d);
     rk_overlay_free(&d.overlay);
     return true;
 }
