@@ -243,6 +243,8 @@ static void check_intersection(rk_focal_surface focal)
 {
     for (uint32_t i = 0; i < 2000; i++) {
         rk_view view = turned_view(i);
+        if (i % 4 == 3)
+            view.position = rk_vec(1e4f, -3e4f, 2e4f);
         rk_lens lens = lens_of(exp2f(6 * unit_float(i, 7) - 2), 100, focal);
         rk_vec2 place = random_place(i);
         rk_dvec3 focus = focus_of(&lens, &view, place);

@@ -23,7 +23,9 @@ typedef struct rk_lens {
 /* Returns the ray through the point (x, y) of the picture, in pixels as in rk_view_ray, that starts
  * at the lens point for `xi` in [0, 1)^2 by the concentric map (rk_disk_at): the disk's x axis is
  * view->right, its y axis view->up. All rays of one (x, y) converge on the focal surface. The
- * direction is unit, and the same wherever the camera is; t_max is infinite. The ray from the
+ * direction is unit, and the same wherever the camera is, so a ray misses the focus by the rounding
+ * of its origin: by 2^-24 of the camera's distance from (0, 0, 0), 0.0006 of 10,000, and by 12 *
+ * 2^-24 of the focus's distance from the camera, at most. t_max is infinite. The ray from the
  * lens's centre is rk_view_ray's, to the bit. */
 rk_ray rk_lens_ray(const rk_lens *lens, const rk_view *view, float x, float y, rk_vec2 xi);
 
