@@ -524,6 +524,10 @@ END
         grep -q '\["half","code","code-half","one.html"\]' "$pages/index.js"
     verdict terms_and_functions_can_be_searched_for
 
+    grep -qx '\["two.html","disks","1.1 Disks","All unit disks. One unit disk. No symbol\.[^"]*"\],*' "$pages/text.js" &&
+        grep -q '"1.1 Disks","All unit disks' "$folder/build/docs/out/book.html"
+    verdict texts_of_sections_can_be_searched
+
     grep -q 'glossary.html#term-unit-disk">unit disk</a>, <a href="two.html#disks">1.1</a>' "$pages/book-index.html" &&
         grep -q 'href="one.html#code-half"><code>half</code></a>, <a href="one.html#one">0</a>' "$pages/book-index.html" &&
         grep -q 'href="#code-half"><code>half</code></a>' "$folder/build/docs/out/book.html"

@@ -1,5 +1,6 @@
 // Helps to read: contents that follow the reader, search, colours, links to headings and figures, copies of listings.
-// The page is complete without. `raykitIndex` has what can be searched for: [title, kind, anchor, page].
+// The page is complete without. `raykitIndex` has the names that can be searched for, [title, kind, anchor, page],
+// `raykitText`, in text.js, the sections: [page, anchor, title, text].
 "use strict";
 (() => {
   const make = (name, attributes, ...children) => {
@@ -77,7 +78,7 @@
   // --- search --------------------------------------------------------------------------------
 
   const field = make("input", { type: "search", placeholder: "Search", autocomplete: "off",
-    "aria-label": "Search headings, functions, tests and terms", "aria-controls": "found" });
+    "aria-label": "Search headings, functions, tests, terms and the text", "aria-controls": "found" });
   const found = make("ul", { id: "found", hidden: "" });
   const said = make("p", { class: "said", role: "status" });
   const most = 12;
@@ -87,25 +88,58 @@
     const at = title.toLowerCase().indexOf(wanted);
     return at <= 0 ? at : /[\s_]/.test(title[at - 1]) ? 1 : 2;
   };
+  const names = (wanted) => raykitIndex.map((entry) => [rank(entry[0].replace(/^[\d.]+ /, ""), wanted), entry])
+    .filter(([order]) => order >= 0).sort((a, b) => a[0] - b[0]).map(([, entry]) => entry);
+
+  // Sections with all of the words, the whole phrase first, then those that have them most often.
+  const count = (text, word) => text.split(word).length - 1;
+  const texts = (wanted) => {
+    const words = wanted.split(/\s+/), hits = [];
+    for (const [page, name, title, text] of window.raykitText || []) {
+      const lower = text.toLowerCase(), counts = words.map((word) => count(lower, word));
+      if (Math.min(...counts)) hits.push([count(lower, wanted), Math.min(...counts), [title, text, name, page], lower]);
+    }
+    return hits.sort((a, b) => b[0] - a[0] || b[1] - a[1]).map(([whole, , row, lower]) => [...row, lower.indexOf(whole ? wanted : words[0]), whole ? wanted : words[0]]);
+  };
+  const excerpt = (text, at, word) => make("span", { class: "excerpt" }, 
+    at > 50 ? "… " + text.slice(at - 50, at).replace(/^\S*\s/, "") : text.slice(0, at),
+    make("mark", {}, text.substr(at, word.length)), text.substr(at + word.length, 60).replace(/\s\S*$/, " …"));
+  const chapterOf = (page, title) => {
+    const [, , chapter] = raykitText.find((row) => row[0] === page);
+    return chapter === title ? "" : make("small", {}, "in " + chapter);
+  };
+  const link = (name, page, title) => make("a", { href: (document.getElementById(name) ? "" : page) + "#" + name }, title);
+
   const search = () => {
     const wanted = field.value.trim().toLowerCase();
-    const hits = wanted.length > 1 ? raykitIndex.map((entry) => [rank(entry[0].replace(/^[\d.]+ /, ""), wanted), entry])
-      .filter(([order]) => order >= 0).sort((a, b) => a[0] - b[0]) : [];
-    found.replaceChildren(...hits.slice(0, most).map(([, [title, kind, name, page]]) => {
-      const here = document.getElementById(name);
-      return make("li", {}, make("a", { href: (here ? "" : page) + "#" + name }, title), make("small", {}, kind));
-    }));
-    found.hidden = hits.length === 0;
-    said.textContent = wanted.length < 2 ? "" : hits.length > most ? `${most} of ${hits.length} shown` :
-      hits.length ? "" : "nothing found";
+    const named = wanted.length > 1 ? names(wanted) : [], written = wanted.length > 2 ? texts(wanted) : [];
+    found.replaceChildren(...named.slice(0, most).map(([title, kind, name, page]) => make("li", {}, link(name, page, title), make("small", {}, kind))),
+      ...written.slice(0, most).map(([title, text, name, page, at, word]) => make("li", {}, link(name, page, title), chapterOf(page, title), excerpt(text, at, word))));
+    found.hidden = !found.firstChild;
+    const told = (hits, what) => hits.length > most ? [`${most} of ${hits.length} ${what}`] : hits.length ? [`${hits.length} ${what}`] : [];
+    said.textContent = wanted.length < 2 ? "" : [...told(named, "names"), ...told(written, "sections")].join(", ") || "nothing found";
   };
+  // The text is loaded for who searches; a single file has it.
+  field.addEventListener("focus", () => {
+    if (window.raykitText) return;
+    const script = make("script", { src: "text.js" });
+    script.addEventListener("load", search);
+    document.head.append(script);
+  }, { once: true });
   field.addEventListener("input", search);
-  field.addEventListener("keydown", (event) => {
-    if (event.key === "Escape") field.value = "";
-    if (event.key === "Escape") search();
-    if (event.key === "Enter" && found.firstChild) found.querySelector("a").click();
+  const box = make("div", { class: "search", role: "search" }, field, found, said);
+  box.addEventListener("keydown", (event) => {
+    const stops = [field, ...found.querySelectorAll("a")], at = stops.indexOf(document.activeElement);
+    const to = stops[at + { ArrowDown: 1, ArrowUp: -1 }[event.key]];
+    if (to) to.focus();
+    if (to) event.preventDefault();
+    if (event.key === "Enter" && at === 0 && stops[1]) stops[1].click();
+    if (event.key !== "Escape") return;
+    field.value = "";
+    field.focus();
+    search();
   });
-  contents.prepend(make("div", { class: "search", role: "search" }, field, found, said));
+  contents.prepend(box);
 
   // A test that is linked to unfolds, with the list around it.
   const unfold = () => {

@@ -1,6 +1,6 @@
--- From the woven document: its contents, an index to search, and beside the single file a folder with a page
--- per chapter (of the report: one page), whose pictures are files. weave.sh makes the folder and puts the
--- stylesheet there; without the folder no such pages are written.
+-- From the woven document: its contents, names and texts to search, and beside the single file a folder
+-- with a page per chapter (of the report: one page), whose pictures are files. weave.sh makes the folder
+-- and puts the stylesheet there; without the folder no such pages are written.
 
 local drive = require("drive")
 local index = require("index")
@@ -78,6 +78,40 @@ local function index_of(chapters)
     end
   end
   return "[" .. table.concat(entries, ",\n") .. "]"
+end
+
+-- A section's paragraphs, cells and captions; without formulas, which are HTML by now, and listings.
+local function text_of(blocks)
+  local texts = {}
+  local function add(block) texts[#texts + 1] = pandoc.utils.stringify(block) end
+  local function leave_out(span) return span.classes:includes("parameters") and {} or nil end
+  local function no_picture() return {} end
+  pandoc.Div(blocks):walk({Image = no_picture, Span = leave_out, Para = add, Plain = add})
+  return (table.concat(texts, " "):gsub("%s+", " "))
+end
+
+-- What is written in the sections, as JSON: page, name of the anchor, title and text.
+local function texts_of(chapters)
+  local rows = {}
+  for _, chapter in ipairs(chapters) do
+    local section, blocks
+    local function finish()
+      if not section then return end
+      local title = plain(html_of({pandoc.Plain(section.content)}))
+      rows[#rows + 1] = "[" .. table.concat({quote(chapter.page), quote(section.identifier), quote(title),
+        quote(text_of(blocks))}, ",") .. "]"
+    end
+    for _, block in ipairs(chapter.blocks) do
+      if block.t == "Header" then
+        finish()
+        section, blocks = block, pandoc.List()
+      elseif section then
+        blocks:insert(block)
+      end
+    end
+    finish()
+  end
+  return "window.raykitText = [" .. table.concat(rows, ",\n") .. "];\n"
 end
 
 -- --- pages -----------------------------------------------------------------------------------
@@ -172,7 +206,7 @@ local function description_of(chapter)
 end
 
 -- Live figures share a script, which only pages with some of them load.
-local function write_pages(doc, folder, chapters, page_of, live_script)
+local function write_pages(doc, folder, chapters, page_of, live_script, texts)
   local template, values = read(tools .. "template.html"), common_values(doc)
   local book_title, description = values.pagetitle, values.description
   local scripts = values.scripts
@@ -188,6 +222,7 @@ local function write_pages(doc, folder, chapters, page_of, live_script)
   end
   if live_script ~= "" then drive.write_file(folder .. "/live.js", live_script) end
   drive.write_file(folder .. "/index.js", "window.raykitIndex = " .. index_of(chapters) .. ";\n")
+  drive.write_file(folder .. "/text.js", texts)
 end
 
 -- Where the document asks for its index.
@@ -218,12 +253,14 @@ function pages.write(doc)
   doc = fill_index(doc, chapters)
   local solutions = not doc.meta.solutions or pandoc.utils.stringify(doc.meta.solutions) == "yes"
   local live_script, page_of = live.script(solutions), find_names(chapters)
+  local texts = texts_of(chapters)
   if drive.exists(folder .. "/style.css") then
-    write_pages(doc, folder, chapters, page_of, live_script)
+    write_pages(doc, folder, chapters, page_of, live_script, texts)
     sources.write(page_of, solutions)
   end
-  local scripts = "<script>window.raykitIndex = " .. index_of(chapters) .. ";</script>\n<script>\n" ..
-    read(tools .. "page.js") .. read(tools .. "compare.js") .. live_script .. "</script>"
+  local scripts = "<script>window.raykitIndex = " .. index_of(chapters) .. ";\n" .. texts ..
+    "</script>\n<script>\n" .. read(tools .. "page.js") .. read(tools .. "compare.js") .. live_script ..
+    "</script>"
   doc.meta.contents = pandoc.MetaBlocks({pandoc.RawBlock("html", contents_of(chapters))})
   doc.meta.scripts = pandoc.MetaBlocks({pandoc.RawBlock("html", scripts)})
   return doc
