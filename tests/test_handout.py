@@ -7,10 +7,12 @@ import json
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
 import time
+import urllib.request
 from unittest import mock
 
 SOURCE = os.path.abspath(os.environ.get("srcdir", "."))
@@ -334,8 +336,72 @@ def the_book_is_handed_out(pack):
     path = re.search(rf"{re.escape(SOURCE)}|\.handout-", text + answers)
     check(not path, "no path of this machine is in it",
           path and (text + answers)[max(0, path.start() - 80):path.end() + 80])
-    check(f'data-program="impl/assignments/{FEATURE.folder}/{STEM}"' in text,
-          "its figures name the readers' own programs")
+    its_live_figures_stand_still(page)
+
+
+def its_live_figures_stand_still(page):
+    """The module that would draw them anew holds the solutions."""
+    pages, text = os.path.dirname(page), read(page)
+    tags = re.findall(r'<div class="live"[^>]*>\s*<img[^>]*>', text)
+    figures = [{name: html.unescape(value) for name, value in re.findall(r'([\w-]+)="([^"]*)"', tag)}
+               for tag in tags]
+    wanted = re.findall(r'\{\.live driver=\w+ args="([^"]*)" options="([^"]*)"',
+                        read(SOURCE, "docs", f"{FEATURE.folder}.md"))
+    found = [(figure["data-args"].removesuffix(" --width 480 --height 480"), figure["data-options"])
+             for figure in figures]
+    check(wanted and found == wanted, "each live figure has its options", [wanted, found])
+    programs = {figure["data-program"] for figure in figures}
+    check(programs == {f"impl/assignments/{FEATURE.folder}/{STEM}"}, "it names the reader's own program",
+          programs)
+    pictures = [os.path.join(pages, figure["src"]) for figure in figures]
+    check(pictures and all(map(os.path.isfile, pictures)), "its picture is there", pictures)
+    scripts = [name for name in os.listdir(pages) if name.endswith(".js")]
+    check("live.js" not in scripts and all("WebAssembly" not in read(pages, name) for name in scripts),
+          "and no module, which would hold the solutions", scripts)
+
+
+def answer(url):
+    with urllib.request.urlopen(url, timeout=120) as reply:
+        return reply.read()
+
+
+def state_of(url):
+    """What the page of the live loop is told, once the picture of a save is drawn; {} if none is."""
+    with urllib.request.urlopen(url + "events", timeout=120) as events:
+        for line in events:
+            known = json.loads(line[len("data: "):]) if line.startswith(b"data: ") else {}
+            if known.get("drawn") or known.get("failed"):
+                return known
+    return {}
+
+
+def the_live_loop_serves_the_pack(pack):
+    looks = [line.split("\t") for line in
+             read(pack, "assignments", FEATURE.folder, "look.tsv").splitlines()[1:]]
+    own = {name: value for name, value in os.environ.items() if not name.startswith("MAKE")}
+    with subprocess.Popen(["make", "-s", f"live-{STEM}"], cwd=pack, env=own, start_new_session=True,
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
+        try:
+            said = ""
+            while "http" not in said and (line := process.stdout.readline()):
+                said += line
+            url = re.search(r"http:\S+/", said)
+            check(url, "make live serves a page in a pack", said)
+            if not url:
+                return
+            page, known = answer(url[0]), state_of(url[0])
+            check(page == read(pack, "tools", "live", "loop.html").encode(), "it is the pack's")
+            check([caption for _, caption in known.get("looks", [])] == [look[2] for look in looks],
+                  "it offers the pictures of all steps", known)
+            steps = {int(step): options for step, options, _ in looks}
+            options = steps.get(int(known.get("step", 0)), "none")
+            check(known.get("command", "").endswith(f"/{STEM} {options}"),
+                  "its command has the options of the picture that it shows", known)
+            pictures = [answer(f"{url[0]}picture/{name}") for name in ("own", "wanted")]
+            check(all(picture.startswith(b"\x89PNG") for picture in pictures),
+                  "the student's picture and the wanted one are there", known)
+        finally:
+            os.killpg(process.pid, signal.SIGTERM)
 
 
 def the_starters_are_failed(pack):
@@ -425,6 +491,7 @@ def the_students_code_is_in_the_book(pack):
     check("rk_box_merge" in code and "Your code." in read(page), "the student's functions are in it", code)
     check("Yours to write" not in code and "Left open here" in read(page) and "Not made:" not in read(page),
           "what is not asked for yet is left open, and all figures are there")
+    its_live_figures_stand_still(os.path.join(pack, "docs", "out.some", "book", "index.html"))
     run(pack, "sed", "-i", "s/box_of/my_box_of/g; $ a int broken = ;", f"workbook/{STEM}.c")
     status, said = run(pack, make, "-s", "book", f"ONLY={STEM}", "CHROMIUM=")
     check(status == 0 and "does not define it" in read(page),
@@ -562,6 +629,7 @@ def main():
         the_starters_are_failed(pack)
         the_second_is_solved_first(pack)
         pictures_are_the_students(pack)
+        the_live_loop_serves_the_pack(pack)
         the_students_code_is_in_the_book(pack)
         the_rest_holds(pack)
         a_class_is_graded(places["class"])
