@@ -11,6 +11,7 @@
 // file's name, and exit status 1.
 #include "base/sanitized.h"
 #include "io/helper_answer.h"
+#include "io/image_helper/bmp.h"
 #include "io/image_helper/dds.h"
 #include "io/image_shape.h"
 #include "io/image_stream.h"
@@ -565,22 +566,50 @@ Floats make_values(const OIIO::ImageSpec &spec, Channels channels)
     return Floats(size_t(spec.width) * size_t(spec.height) * size_t(channels.count));
 }
 
-Picture read_dds(const std::string &path, const Dds &dds, const Wish &wish)
+// Reads the values of some channels.
+using Reader = std::function<void(Channels, float *)>;
+
+// `may_be_padding`: an alpha that is 0 everywhere is none.
+Picture read_whole(const std::string &path, OIIO::ImageSpec spec, const Wish &wish,
+                   bool may_be_padding, const Reader &read)
 {
-    const Channels channels = check(path, dds.spec, wish);
-    Floats values = make_values(dds.spec, channels);
-    if (!dds_read(path, dds, channels.first, channels.count, values.data()))
-        fail_damaged(path, "it ends too early");
-    return finish(dds.spec, channels, std::move(values), wish);
+    const Channels channels = check(path, spec, wish);
+    Floats values = make_values(spec, channels);
+    read(channels, values.data());
+    if (may_be_padding && wish.part != RK_IMAGE_STREAM_COLOUR &&
+        channels.first == alpha_channel(spec) &&
+        std::all_of(values.begin(), values.end(), [](float value) { return value == 0; })) {
+        spec.alpha_channel = -1;
+        return read_whole(path, spec, wish, false, read);
+    }
+    return finish(spec, channels, std::move(values), wish);
+}
+
+// Of a Targa file, the number of alpha bits is in the lowest four of this byte (Truevision, "TGA
+// File Format Specification", field 5.6).
+bool has_alpha_bits(const std::string &path)
+{
+    char head[18] = {};
+    std::ifstream(path, std::ios::binary).read(head, sizeof head);
+    return (head[17] & 15) != 0;
 }
 
 Picture read_picture(const std::string &path, const Wish &wish = {})
 {
+    Bmp bmp;
     Dds dds;
     check_readable(path);
     check_radiance(path);
+    if (bmp_open(path, &bmp))
+        return read_whole(path, bmp.spec, wish, true, [&](Channels channels, float *to) {
+            if (!bmp_read(path, bmp, channels.first, channels.count, to))
+                fail_damaged(path, "it ends too early");
+        });
     if (dds_open(path, &dds))
-        return read_dds(path, dds, wish);
+        return read_whole(path, dds.spec, wish, false, [&](Channels channels, float *to) {
+            if (!dds_read(path, dds, channels.first, channels.count, to))
+                fail_damaged(path, "it ends too early");
+        });
     // Alpha is dropped, so colours must not be multiplied by it.
     OIIO::ImageSpec wishes;
     wishes["oiio:UnassociatedAlpha"] = 1;
@@ -588,18 +617,21 @@ Picture read_picture(const std::string &path, const Wish &wish = {})
     if (!input)
         fail_unknown(path, first_line(OIIO::geterror()));
     OIIO::ImageSpec spec = input->spec();
+    const bool is_targa = std::strcmp(input->format_name(), "targa") == 0;
+    if (is_targa && !has_alpha_bits(path))
+        spec.alpha_channel = -1;
     multiply_exposures(path, spec);
     const Channels channels = check(path, spec, wish);
     const int factor = world_factor(spec, wish.shape, wish.part, wish.least_width);
     if (factor > 1)
         return read_means(path, *input, spec, channels, factor);
-    Floats values = make_values(spec, channels);
-    // Some readers fill missing parts with grey and report success, but leave an error message.
-    if (!input->read_image(0, 0, channels.first, channels.first + channels.count,
-                           OIIO::TypeDesc::FLOAT, values.data()) ||
-        input->has_error())
-        fail_damaged(path, first_line(input->geterror()));
-    return finish(spec, channels, std::move(values), wish);
+    return read_whole(path, spec, wish, is_targa, [&](Channels some, float *to) {
+        // Some readers fill missing parts with grey and report success, but leave an error message.
+        if (!input->read_image(0, 0, some.first, some.first + some.count, OIIO::TypeDesc::FLOAT,
+                               to) ||
+            input->has_error())
+            fail_damaged(path, first_line(input->geterror()));
+    });
 }
 
 Picture load(const std::string &path, const Wish &wish)
