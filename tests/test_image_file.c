@@ -529,6 +529,15 @@ static void a_pointer_of_git_lfs_is_no_picture(void **state)
                       ": is a Git LFS pointer, not the file: run git lfs pull");
 }
 
+static void a_web_page_is_no_picture(void **state)
+{
+    static const char text[] = "<!DOCTYPE html>\n<html><body>404</body></html>\n";
+    static const char *const names[] = {"a.jpg", "a.exr", "a.hdr", "a.png"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        check_refused(test_folder_write(*state, names[i], text, sizeof text - 1, 0600),
+                      ": is a web page, not the file");
+}
+
 static void absurd_sizes_are_refused(void **state)
 {
     const char head[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2000000000 +X 2000000000\n";
@@ -871,6 +880,7 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(a_broken_hdr_is_refused),
     test_in_folder(missing_empty_and_foreign_files_are_refused),
     test_in_folder(a_pointer_of_git_lfs_is_no_picture),
+    test_in_folder(a_web_page_is_no_picture),
     test_in_folder(absurd_sizes_are_refused),
     test_in_folder(a_fault_without_a_reason_is_still_a_sentence),
     test_in_folder(folders_pipes_and_devices_are_refused_at_once),

@@ -221,6 +221,20 @@ static void a_3mf_that_cannot_be_read_has_a_true_reason(void **state)
                        "UTF-16");
 }
 
+static void shapes_of_a_3mf_without_triangles_are_refused(void **state)
+{
+    (void)state;
+    archive a =
+        begin_3mf(MODEL("<object id=\"1\" type=\"model\">" MESH(
+                            "") "</object>"
+                                "<object id=\"8\" type=\"model\"><levelset functionid=\"5\" "
+                                "channel=\"shape\" meshid=\"1\"/></object>",
+                        "<item objectid=\"8\"/>"));
+    check_refused_path(write_archive(&a, "level.3mf").text,
+                       ": has no triangles in what it builds; shapes of 3MF's extensions",
+                       "export it as STL");
+}
+
 /* --- AMF ------------------------------------------------------------------------------------ */
 
 #define POINT(x, y) "<vertex><coordinates><x>" #x "</x><y>" #y "</y><z>0</z></coordinates></vertex>"
@@ -520,6 +534,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_3mf_may_hold_a_thumbnail),
     cmocka_unit_test(parts_of_a_3mf_in_other_models_are_told),
     cmocka_unit_test(a_3mf_that_cannot_be_read_has_a_true_reason),
+    cmocka_unit_test(shapes_of_a_3mf_without_triangles_are_refused),
     cmocka_unit_test(every_volume_of_an_amf_is_drawn),
     cmocka_unit_test(an_amf_without_colours_is_grey),
     cmocka_unit_test(a_colour_of_an_amf_without_opacity_is_opaque),

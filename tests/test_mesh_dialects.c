@@ -680,6 +680,19 @@ static void a_plys_properties_may_have_other_names(void **state)
     rk_mesh_free(&mesh);
 }
 
+static void words_of_a_plys_header_may_have_any_blanks_between_them(void **state)
+{
+    (void)state;
+    rk_mesh mesh = load(write_text(
+        "blanks.ply",
+        "ply\nformat  ascii\t1.0 \ncomment  a  b\n element  vertex 3 \r\n"
+        "property\tfloat  x\nproperty float y  \nproperty float z\nelement face\t 1\n"
+        "property list  uchar int  vertex_indices\nend_header\n0 0 0\n1  0 0\n0 1 0\n3 0 1 2\n"));
+    check_point(corner(&mesh, 0, 1), 1, 0, 0);
+    check_point(vector_area(&mesh, 0), 0, 0, 0.5f);
+    rk_mesh_free(&mesh);
+}
+
 static void comments_of_a_ply_may_stand_anywhere(void **state)
 {
     (void)state;
@@ -1250,6 +1263,38 @@ static void a_pointer_of_git_lfs_is_no_mesh(void **state)
                       ": is a Git LFS pointer, not the file", "run git lfs pull");
 }
 
+static void a_web_page_is_no_mesh(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"a.obj", "a.ply", "a.stl", "a.x3d", "a.3ds", "a.fbx"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        check_refused(names[i], "\n <!doctype HTML>\n<html><body>404</body></html>\n",
+                      ": is a web page, not the file", "download the file itself");
+        check_refused(names[i], "\xef\xbb\xbf<HTML lang=\"en\">\n<body>404</body></html>\n",
+                      ": is a web page, not the file", "download the file itself");
+    }
+}
+
+/* --- X -------------------------------------------------------------------------------------- */
+
+/* Assimp would take the comma between two digits for the point of a number. */
+static void numbers_of_an_x_may_be_separated_by_commas_alone(void **state)
+{
+    (void)state;
+    static const char *const vertices[] = {"0,0,0,1,0,0,0,1,0;", "0,0,0;,1,0,0;,0,1,0;;",
+                                           "0;0;0;,1;0;0;,0;1;0;;"};
+    for (size_t i = 0; i < sizeof vertices / sizeof *vertices; i++) {
+        char text[300];
+        snprintf(text, sizeof text, "xof 0303txt 0032\nMesh a {\n3;\n%s\n1;\n3,0,1,2;\n}\n",
+                 vertices[i]);
+        rk_mesh mesh = load(write_text("commas.x", text));
+        rk_check_equal(mesh.triangle_count, 1, vertices[i]);
+        check_point(corner(&mesh, 0, 1), 1, 0, 0);
+        check_point(vector_area(&mesh, 0), 0, 0, -0.5f); /* fronts are clockwise in X */
+        rk_mesh_free(&mesh);
+    }
+}
+
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(numbers_of_an_obj_may_begin_with_their_point),
     cmocka_unit_test(a_comment_may_follow_any_numbers_of_an_obj),
@@ -1281,6 +1326,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_text_stl_with_larger_faces_is_told),
     cmocka_unit_test(a_binary_stl_may_have_a_wrong_count),
     cmocka_unit_test(a_plys_properties_may_have_other_names),
+    cmocka_unit_test(words_of_a_plys_header_may_have_any_blanks_between_them),
     cmocka_unit_test(comments_of_a_ply_may_stand_anywhere),
     cmocka_unit_test(texture_coordinates_of_a_plys_corners_are_their_own),
     cmocka_unit_test(rows_of_a_binary_ply_may_begin_with_any_byte),
@@ -1297,6 +1343,8 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_gltf_emits_light_by_its_factor_alone),
     cmocka_unit_test(a_picture_that_does_not_continue_as_it_should_is_told),
     cmocka_unit_test(a_pointer_of_git_lfs_is_no_mesh),
+    cmocka_unit_test(a_web_page_is_no_mesh),
+    cmocka_unit_test(numbers_of_an_x_may_be_separated_by_commas_alone),
     cmocka_unit_test(colours_that_are_no_numbers_are_counted_and_drawn_as_0),
 };
 

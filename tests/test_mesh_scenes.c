@@ -260,6 +260,15 @@ static void check_cone(const char *attributes, float apex)
     rk_mesh_free(&mesh);
 }
 
+static void an_x3d_names_the_file_that_it_lacks(void **state)
+{
+    (void)state;
+    check_refused(
+        "inline.x3d",
+        X3D("<Inline url='\"gone.x3d\" \"http://example.org/gone.x3d\"'/>" X3D_FACE("", "")),
+        ": needs the file gone.x3d, which is missing", "put it beside the mesh file");
+}
+
 static void cones_of_an_x3d_point_upwards(void **state)
 {
     (void)state;
@@ -407,6 +416,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(nodes_of_an_x3d_that_are_not_drawn_are_told),
     cmocka_unit_test(a_picture_of_an_x3d_may_have_quotes_and_others_after_it),
     cmocka_unit_test(colours_of_an_x3d_replace_the_diffuse_colour),
+    cmocka_unit_test(an_x3d_names_the_file_that_it_lacks),
     cmocka_unit_test(cones_of_an_x3d_point_upwards),
     cmocka_unit_test(a_gltf_names_the_file_that_it_lacks),
     cmocka_unit_test(blanks_in_the_name_of_a_gltfs_file_may_be_escaped),

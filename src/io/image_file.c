@@ -5,8 +5,8 @@
 #include "base/file.h"
 #include "io/helper.h"
 #include "io/image_stream.h"
-#include "io/lfs_pointer.h"
 #include "io/png.h"
+#include "io/stand_in.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -35,14 +35,14 @@ static rk_helper_call make_call(const char *path, const char *const *arguments, 
                             .output_max = output_max};
 }
 
-static bool check_pointer(const char *path, rk_error *error)
+static bool check_stand_in(const char *path, rk_error *error)
 {
-    char first[RK_LFS_POINTER_MARK];
+    char first[RK_STAND_IN_MARK];
     FILE *stream = fopen(path, "rb");
     const size_t size = stream ? fread(first, 1, sizeof first, stream) : 0;
     if (stream)
         fclose(stream);
-    return rk_lfs_pointer_check(path, first, size, error);
+    return rk_stand_in_check(path, first, size, error);
 }
 
 /* A device or a pipe may never end, and the helper would wait for it. A missing file is reported
@@ -53,7 +53,7 @@ static bool check_kind(const char *path, rk_error *error)
     if (stat(path, &status) != 0)
         return true;
     if (S_ISREG(status.st_mode))
-        return check_pointer(path, error);
+        return check_stand_in(path, error);
     if (S_ISDIR(status.st_mode))
         return rk_fail(error, "%s: is a folder: name a picture in it", path);
     return rk_fail(error, "%s: is not a regular file: copy the picture to one", path);

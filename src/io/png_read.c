@@ -1,8 +1,8 @@
 /* The reading half of io/png.h, by libpng (its manual, libpng-manual.txt, and the PNG
  * specification, third edition, W3C). */
-#include "io/lfs_pointer.h"
 #include "io/png_job.h"
 #include "io/srgb8.h"
+#include "io/stand_in.h"
 
 #include <errno.h>
 #include <math.h>
@@ -33,7 +33,7 @@ static bool check_head(const job *j)
                        strerror(errno));
     if (size == 0)
         return rk_fail(j->error, "%s: the file is empty; save or download it again", j->path);
-    if (!rk_lfs_pointer_check(j->path, head, size, j->error))
+    if (!rk_stand_in_check(j->path, head, size, j->error))
         return false;
     if (png_sig_cmp(head, 0, size < 8 ? size : 8) != 0)
         return rk_fail(

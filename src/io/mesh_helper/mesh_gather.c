@@ -303,6 +303,11 @@ static bool finish(rk_mesh_emit_state *g, rk_mesh *mesh, rk_mesh_textures *textu
                        "%s: has its parts in other models of its archive (production extension), "
                        "which Assimp does not read: export it without, or as STL",
                        g->path);
+    if (g->triangle_count == 0 && g->models > 0)
+        return rk_fail(error,
+                       "%s: has no triangles in what it builds; shapes of 3MF's extensions "
+                       "(volumes, functions, beams) are not read: export it as STL",
+                       g->path);
     const char *dot = strrchr(g->path, '.');
     if (g->triangle_count == 0 && dot && strcasecmp(dot, ".irr") == 0)
         return rk_fail(error,

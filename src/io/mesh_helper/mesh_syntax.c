@@ -2,7 +2,6 @@
  * of its format. */
 #include "io/mesh_helper/mesh_syntax.h"
 
-#include "io/lfs_pointer.h"
 #include "io/mesh_helper/mesh_files.h"
 #include "io/mesh_helper/mesh_gltf_sets.h"
 #include "io/mesh_helper/mesh_guard.h"
@@ -10,7 +9,9 @@
 #include "io/mesh_helper/mesh_unread.h"
 #include "io/mesh_helper/mesh_up.h"
 #include "io/mesh_helper/text_encoding.h"
+#include "io/stand_in.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdarg.h>
@@ -96,6 +97,21 @@ static char *copy_without_blanks(const char *path, const char *text, size_t size
     return copy;
 }
 
+/* In DirectX's text, with a blank after each comma before a digit, or Assimp takes it for the point
+ * of a number. */
+static bool space_commas(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
+                         rk_error *error)
+{
+    FILE *out = open_memstream(&hints->text, &hints->size);
+    for (size_t i = 0; out && i < size; i++) {
+        fputc(text[i], out);
+        if (text[i] == ',' && i + 1 < size && isdigit((unsigned char)text[i + 1]))
+            fputc(' ', out);
+    }
+    return (out && fclose(out) == 0) ||
+           rk_fail(error, "%s: no memory for its text: simplify the mesh", path);
+}
+
 static bool has_word(const char *text, size_t size, const char *word)
 {
     const size_t length = strlen(word);
@@ -140,12 +156,12 @@ static bool parse_bytes(const char *path, const char *text, size_t size, rk_mesh
 {
     size_t utf8_size = 0, mended_size = 0;
     char *mended = NULL;
+    if (!rk_stand_in_check(path, text, size, error))
+        return false;
     if (!has_word(text, size < 4096 ? size : 4096, "'IFC") &&
         !rk_mesh_unread_check(path, text, size, error))
         return false; /* a STEP file may hold a building (IFC), which Assimp reads */
     if (!check_packing(path, text, size, error))
-        return false;
-    if (!rk_lfs_pointer_check(path, text, size, error))
         return false;
     if (is_text(path) && rk_text_encoding_is_utf16(text, size)) {
         char *utf8 = rk_text_encoding_to_utf8(path, text, size, &utf8_size, error);
@@ -184,6 +200,9 @@ static bool parse_bytes(const char *path, const char *text, size_t size, rk_mesh
         hints->text = copy_without_blanks(path, text, size, &hints->size, error);
         return hints->text != NULL;
     }
+    if (rk_mesh_files_has_ending(path, "x") && size > 16 && memcmp(text, "xof ", 4) == 0 &&
+        memcmp(text + 8, "txt ", 4) == 0)
+        return space_commas(path, text, size, hints, error);
     if (rk_mesh_files_has_ending(path, "glb"))
         return rk_mesh_syntax_glb(path, text, size, hints, error);
     if (rk_mesh_files_has_ending(path, "gltf"))

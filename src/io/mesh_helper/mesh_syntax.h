@@ -35,7 +35,8 @@ typedef struct rk_mesh_hints {
     uint32_t up;         /* the axis that a Collada file names, 1 to 3 for x to z; or 0 */
     bool is_gltf_1;      /* version 1.0, of which Assimp reads some */
     char undrawn[256];   /* nodes of an X3D file that Assimp leaves out, or "" */
-    char missing[256];   /* the name of a file that a glTF file needs, if it is not there, or "" */
+    char missing[256];   /* the name of a file that a glTF or X3D file needs, if it is not there, or
+                            "" */
     char folders[RK_MESH_HINTS_FOLDERS][1024]; /* of material files, relative, with a slash */
     int folder_count;
 } rk_mesh_hints;

@@ -122,7 +122,7 @@ static bool next_string(const char **at, const char *end, span *string)
 
 /* Assimp refuses the whole file for a string in quotes without a blank, joins it to the next one,
  * and loses blanks; so it is given one alone: the first that is there. */
-static void write_address(x3d_parser *s, span list)
+static void write_address(x3d_parser *s, span list, bool is_needed)
 {
     char found[RK_MESH_FILES_NAME];
     span first = {NULL, NULL}, string;
@@ -135,6 +135,9 @@ static void write_address(x3d_parser *s, span list)
     }
     if (!first.from || (first.from == list.from && first.to == list.to))
         return;
+    if (is_needed && !is_there && !*s->hints->missing)
+        snprintf(s->hints->missing, sizeof s->hints->missing, "%.*s", (int)(first.to - first.from),
+                 first.from);
     rewrite_skip(&s->rewrite, list.from, list.to);
     for (const char *c = first.from; c < first.to; c++)
         if (is_blank(*c))
@@ -173,9 +176,9 @@ static void see_tag(x3d_parser *s, span tag)
         turn_cone(s, tag);
     if ((is_tag(tag, "ImageTexture") || is_tag(tag, "Inline")) &&
         find_attribute(tag, "url", &value))
-        write_address(s, value);
+        write_address(s, value, is_tag(tag, "Inline"));
     if (is_tag(tag, "MetadataString") && find_attribute(tag, "value", &value))
-        write_address(s, value);
+        write_address(s, value, false);
 }
 
 static void note(const x3d_parser *s)
