@@ -3,6 +3,8 @@
  * then moved. */
 #include "io/mesh_helper/mesh_amf_places.h"
 
+#include "io/mesh_helper/xml_tag.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,13 +15,6 @@ typedef struct rk_mesh_amf_place {
     char constellation[longest_name];
     double numbers[6]; /* move along x, y and z, turns about them */
 } rk_mesh_amf_place;
-
-static bool is_tag(const char *tag, const char *end, const char *name)
-{
-    const size_t length = strlen(name);
-    return (size_t)(end - tag) > length + 1 && memcmp(tag + 1, name, length) == 0 &&
-           strchr(" \t\r\n/>", tag[length + 1]);
-}
 
 static void read_id(char id[longest_name], const char *tag, const char *close)
 {
@@ -53,13 +48,6 @@ static bool add_place(rk_mesh_hints *hints, const char *id)
     return true;
 }
 
-static double number_at(const char *text, const char *end)
-{
-    char number[32] = {0};
-    memcpy(number, text, end - text < 31 ? (size_t)(end - text) : 31);
-    return strtod(number, NULL);
-}
-
 bool rk_mesh_amf_places_read(rk_mesh_hints *hints, const char *path, const char *text, size_t size,
                              rk_error *error)
 {
@@ -70,15 +58,17 @@ bool rk_mesh_amf_places_read(rk_mesh_hints *hints, const char *path, const char 
         const char *close = memchr(at, '>', (size_t)(end - at));
         if (!close)
             break;
-        if (is_tag(at, end, "constellation"))
+        const xml_span tag = {at, close + 1};
+        if (xml_is_tag(tag, "constellation"))
             read_id(id, at, close);
-        else if (is_tag(at, end, "/constellation"))
+        else if (xml_is_tag(tag, "/constellation"))
             id[0] = '\0';
-        else if (id[0] && is_tag(at, end, "instance") && !add_place(hints, id))
+        else if (id[0] && xml_is_tag(tag, "instance") && !add_place(hints, id))
             return rk_fail(error, "%s: no memory for its objects' places: simplify the mesh", path);
         for (int k = 0; id[0] && hints->place_count > 0 && k < 6; k++)
-            if (is_tag(at, end, words[k]))
-                hints->places[hints->place_count - 1].numbers[k] = number_at(close + 1, end);
+            if (xml_is_tag(tag, words[k]))
+                hints->places[hints->place_count - 1].numbers[k] =
+                    xml_number((xml_span){close + 1, end});
     }
     return true;
 }

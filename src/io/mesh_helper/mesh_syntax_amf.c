@@ -3,6 +3,7 @@
  * 52915, "Additive manufacturing file format (AMF)". */
 #include "io/mesh_helper/mesh_amf_places.h"
 #include "io/mesh_helper/mesh_syntax.h"
+#include "io/mesh_helper/xml_tag.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -14,12 +15,6 @@ typedef struct amf_parser {
     size_t triangles;
     bool joined, has_looks; /* of a volume that is joined: a material or a colour */
 } amf_parser;
-
-static bool is_tag(const char *tag, size_t length, const char *kind)
-{
-    const size_t size = strlen(kind);
-    return length > size && memcmp(tag, kind, size) == 0 && strchr(" \t\r\n/>", tag[size]);
-}
 
 static void blank_up_to(amf_parser *s, char *to)
 {
@@ -41,9 +36,10 @@ static bool has_word(const char *text, size_t length, const char *word)
 static void see_tag(amf_parser *s, char *tag, size_t length, char **last_end)
 {
     const bool is_empty = tag[length - 2] == '/';
-    if (is_tag(tag, length, "<mesh")) {
+    const xml_span span = {tag, tag + length};
+    if (xml_is_tag(span, "mesh")) {
         s->volumes = 0;
-    } else if (is_tag(tag, length, "<volume")) {
+    } else if (xml_is_tag(span, "volume")) {
         if (s->volumes > 0 || is_empty)
             s->blank = is_empty ? tag : *last_end;
         s->joined |= s->blank != NULL;
@@ -51,12 +47,12 @@ static void see_tag(amf_parser *s, char *tag, size_t length, char **last_end)
         s->volumes += !is_empty;
         if (is_empty)
             blank_up_to(s, tag + length);
-    } else if (is_tag(tag, length, "</volume")) {
+    } else if (xml_is_tag(span, "/volume")) {
         blank_up_to(s, tag);
         *last_end = tag;
-    } else if (is_tag(tag, length, "<color")) {
+    } else if (xml_is_tag(span, "color")) {
         s->has_looks |= s->blank != NULL;
-    } else if (is_tag(tag, length, "<triangle")) {
+    } else if (xml_is_tag(span, "triangle")) {
         blank_up_to(s, tag);
         s->triangles++;
     }
@@ -79,15 +75,15 @@ static char *copy_with_opacities(const char *path, const char *text, size_t size
         close = memchr(at, '>', (size_t)(end - at));
         if (!close++)
             break;
-        const size_t length = (size_t)(close - at);
-        if (is_tag(at, length, "<color")) {
+        const xml_span tag = {at, close};
+        if (xml_is_tag(tag, "color")) {
             has_opacity = false;
-        } else if (is_tag(at, length, "<a") && !has_opacity) {
+        } else if (xml_is_tag(tag, "a") && !has_opacity) {
             char number[32] = {0};
             memcpy(number, close, (size_t)(end - close) < 31 ? (size_t)(end - close) : 31);
             *is_clear |= strtod(number, NULL) < 1;
             has_opacity = true;
-        } else if (is_tag(at, length, ending) && !has_opacity) {
+        } else if (xml_is_tag(tag, ending + 1) && !has_opacity) {
             memcpy(to, from, (size_t)(at - from));
             to += at - from;
             memcpy(to, opaque, sizeof opaque - 1);

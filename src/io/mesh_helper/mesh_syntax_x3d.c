@@ -3,9 +3,9 @@
 #include "io/mesh_helper/mesh_files.h"
 #include "io/mesh_helper/mesh_rewrite.h"
 #include "io/mesh_helper/mesh_syntax.h"
+#include "io/mesh_helper/xml_tag.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Nodes that show something, or hold what does. */
@@ -25,87 +25,19 @@ typedef struct x3d_parser {
     bool has_undrawn[undrawn_count], has_crease, has_prototypes;
 } x3d_parser;
 
-typedef struct span {
-    const char *from, *to;
-} span;
-
-static bool is_blank(char c)
-{
-    return c == ' ' || c == '\t' || c == '\r' || c == '\n';
-}
-
-/* `tag` begins with its bracket. */
-static bool is_tag(span tag, const char *name)
-{
-    const size_t length = strlen(name);
-    return (size_t)(tag.to - tag.from) > length + 1 && memcmp(tag.from + 1, name, length) == 0 &&
-           (is_blank(tag.from[length + 1]) || strchr("/>", tag.from[length + 1]));
-}
-
-/* The next tag, up to its last bracket, or comment, whose signs mean nothing. False at the end. */
-static bool next_tag(const char **at, const char *end, span *tag)
-{
-    static const char comment[] = "<!--";
-    tag->from = memchr(*at, '<', (size_t)(end - *at));
-    if (!tag->from)
-        return false;
-    const bool is_comment = end - tag->from > 4 && memcmp(tag->from, comment, 4) == 0;
-    char quote = '\0';
-    for (const char *c = tag->from; c < end; c++) {
-        if (is_comment ? *c == '>' && memcmp(c - 2, "--", 2) == 0 : *c == '>' && !quote) {
-            *at = tag->to = c + 1;
-            return true;
-        }
-        if (!is_comment && (quote ? *c == quote : *c == '"' || *c == '\''))
-            quote = quote ? '\0' : *c;
-    }
-    return false;
-}
-
-/* Finds its value, without the quotes. */
-static bool find_attribute(span tag, const char *name, span *value)
-{
-    const size_t length = strlen(name);
-    for (const char *c = tag.from; c < tag.to; c++) {
-        const bool is_it = (size_t)(tag.to - c) > length + 3 && is_blank(c[0]) &&
-                           memcmp(c + 1, name, length) == 0 &&
-                           (c[length + 1] == '=' || is_blank(c[length + 1]));
-        if (is_it) {
-            const char *from = c + 1 + length;
-            from += strspn(from, " \t\r\n="); /* ends at the tag's bracket */
-            const char *to = memchr(from + 1, *from, (size_t)(tag.to - from - 1));
-            *value = (span){from + 1, to};
-            return to && strchr("\"'", *from);
-        }
-        if (*c == '"' || *c == '\'') { /* another's value */
-            const char *close = memchr(c + 1, *c, (size_t)(tag.to - c - 1));
-            c = close ? close : tag.to - 1;
-        }
-    }
-    return false;
-}
-
-static double number_of(span value)
-{
-    char number[16] = {0};
-    const size_t length = (size_t)(value.to - value.from);
-    memcpy(number, value.from, length < 15 ? length : 15);
-    return strtod(number, NULL);
-}
-
 /* --- addresses ----------------------------------------------------------------------------- */
 
 /* A list of strings in quotes, or one string without. Moves `at` behind the string. */
-static bool next_string(const char **at, const char *end, span *string)
+static bool next_string(const char **at, const char *end, xml_span *string)
 {
     static const char escaped[] = "&quot;";
-    while (*at < end && (is_blank(**at) || **at == ','))
+    while (*at < end && (xml_is_blank(**at) || **at == ','))
         ++*at;
     const bool is_escaped = end - *at >= 6 && memcmp(*at, escaped, 6) == 0;
     if (*at == end)
         return false;
     if (!is_escaped && **at != '"') {
-        *string = (span){*at, end};
+        *string = (xml_span){*at, end};
         *at = end;
         return true;
     }
@@ -122,10 +54,10 @@ static bool next_string(const char **at, const char *end, span *string)
 
 /* Assimp refuses the whole file for a string in quotes without a blank, joins it to the next one,
  * and loses blanks; so it is given one alone: the first that is there. */
-static void write_address(x3d_parser *s, span list, bool is_needed)
+static void write_address(x3d_parser *s, xml_span list, bool is_needed)
 {
     char found[RK_MESH_FILES_NAME];
-    span first = {NULL, NULL}, string;
+    xml_span first = {NULL, NULL}, string;
     bool is_there = false;
     for (const char *at = list.from; !is_there && next_string(&at, list.to, &string);) {
         const size_t length = (size_t)(string.to - string.from);
@@ -140,7 +72,7 @@ static void write_address(x3d_parser *s, span list, bool is_needed)
                  first.from);
     rewrite_skip(&s->rewrite, list.from, list.to);
     for (const char *c = first.from; c < first.to; c++)
-        if (is_blank(*c))
+        if (xml_is_blank(*c))
             fputs("%20", s->rewrite.out);
         else
             fputc(*c, s->rewrite.out);
@@ -149,35 +81,35 @@ static void write_address(x3d_parser *s, span list, bool is_needed)
 /* --- tags ---------------------------------------------------------------------------------- */
 
 /* Assimp's points downwards, and upwards if its height is negative. */
-static void turn_cone(x3d_parser *s, span tag)
+static void turn_cone(x3d_parser *s, xml_span tag)
 {
-    span side, height, other;
-    if (find_attribute(tag, "USE", &other) ||
-        (find_attribute(tag, "side", &side) && *side.from == 'f'))
+    xml_span side, height, other;
+    if (xml_find_attribute(tag, "USE", &other) ||
+        (xml_find_attribute(tag, "side", &side) && *side.from == 'f'))
         return;
-    if (!find_attribute(tag, "height", &height)) {
+    if (!xml_find_attribute(tag, "height", &height)) {
         rewrite_skip(&s->rewrite, tag.from + 5, tag.from + 5);
         fputs(" height='-2'", s->rewrite.out);
         return;
     }
-    const double value = number_of(height);
+    const double value = xml_number(height);
     rewrite_skip(&s->rewrite, height.from, height.to);
     fprintf(s->rewrite.out, "%.9g", -value);
 }
 
-static void see_tag(x3d_parser *s, span tag)
+static void see_tag(x3d_parser *s, xml_span tag)
 {
-    span value;
+    xml_span value;
     for (int i = 0; i < undrawn_count; i++)
-        s->has_undrawn[i] |= is_tag(tag, undrawn[i]);
-    s->has_prototypes |= is_tag(tag, "ProtoInstance");
-    s->has_crease |= find_attribute(tag, "creaseAngle", &value) && number_of(value) > 0;
-    if (is_tag(tag, "Cone"))
+        s->has_undrawn[i] |= xml_is_tag(tag, undrawn[i]);
+    s->has_prototypes |= xml_is_tag(tag, "ProtoInstance");
+    s->has_crease |= xml_find_attribute(tag, "creaseAngle", &value) && xml_number(value) > 0;
+    if (xml_is_tag(tag, "Cone"))
         turn_cone(s, tag);
-    if ((is_tag(tag, "ImageTexture") || is_tag(tag, "Inline")) &&
-        find_attribute(tag, "url", &value))
-        write_address(s, value, is_tag(tag, "Inline"));
-    if (is_tag(tag, "MetadataString") && find_attribute(tag, "value", &value))
+    if ((xml_is_tag(tag, "ImageTexture") || xml_is_tag(tag, "Inline")) &&
+        xml_find_attribute(tag, "url", &value))
+        write_address(s, value, xml_is_tag(tag, "Inline"));
+    if (xml_is_tag(tag, "MetadataString") && xml_find_attribute(tag, "value", &value))
         write_address(s, value, false);
 }
 
@@ -212,7 +144,7 @@ bool rk_mesh_syntax_x3d(const char *path, const char *text, size_t size, rk_mesh
     s.rewrite = (mesh_rewrite){open_memstream(&hints->text, &hints->size), text};
     if (!s.rewrite.out)
         return rk_fail(error, "%s: no memory for its text: simplify the mesh", path);
-    for (span tag; next_tag(&at, end, &tag);)
+    for (xml_span tag; xml_next_tag(&at, end, &tag);)
         see_tag(&s, tag);
     rewrite_skip(&s.rewrite, end, end);
     if (fclose(s.rewrite.out) != 0)
