@@ -467,10 +467,12 @@ static void blanks_around_numbers_of_collada_are_skipped(void **state)
     rk_mesh_free(&mesh);
 }
 
-/* As OpenCOLLADA for 3ds Max counts. In `uv`, the second input of the triangles. */
-#define COLLADA_WITH_PICTURE(uv, corners)                                                          \
+/* As OpenCOLLADA for 3ds Max counts. `name` in init_from, `uv`: further inputs of the triangles,
+ * and `set`: that of the channel. */
+#define COLLADA_WITH_PICTURE(name, uv, corners, set)                                               \
     "<COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" version=\"1.4.1\"><asset>"    \
-    "<up_axis>Y_UP</up_axis></asset><library_images><image id=\"i\"><init_from>a.ppm</init_from>"  \
+    "<up_axis>Y_UP</up_axis></asset><library_images><image id=\"i\"><init_from>" name              \
+    "</init_from>"                                                                                 \
     "</image></library_images><library_effects><effect id=\"e\"><profile_COMMON>"                  \
     "<newparam sid=\"f\"><surface type=\"2D\"><init_from>i</init_from></surface></newparam>"       \
     "<newparam sid=\"x\"><sampler2D><source>f</source></sampler2D></newparam>"                     \
@@ -490,7 +492,7 @@ static void blanks_around_numbers_of_collada_are_skipped(void **state)
     "</library_geometries><library_visual_scenes><visual_scene id=\"s\"><node>"                    \
     "<instance_geometry url=\"#g\"><bind_material><technique_common><instance_material "           \
     "symbol=\"s\" target=\"#m\"><bind_vertex_input semantic=\"CHANNEL1\" "                         \
-    "input_semantic=\"TEXCOORD\" input_set=\"0\"/></instance_material></technique_common>"         \
+    "input_semantic=\"TEXCOORD\" input_set=\"" set "\"/></instance_material></technique_common>"   \
     "</bind_material></instance_geometry></node></visual_scene></library_visual_scenes><scene>"    \
     "<instance_visual_scene url=\"#s\"/></scene></COLLADA>"
 
@@ -499,14 +501,81 @@ static void a_channel_that_a_collada_mesh_lacks_is_its_first(void **state)
     (void)state;
     test_folder_write(&folder, "a.ppm", "P6\n1 1\n255\n\377\0\0", 14, 0600);
     rk_mesh mesh = load(
-        write_text("channel.dae", COLLADA_WITH_PICTURE("<input semantic=\"TEXCOORD\" source=\"#u\" "
+        write_text("channel.dae", COLLADA_WITH_PICTURE("a.ppm",
+                                                       "<input semantic=\"TEXCOORD\" source=\"#u\" "
                                                        "offset=\"1\" set=\"0\"/>",
-                                                       "0 0 1 1 2 2")));
+                                                       "0 0 1 1 2 2", "0")));
     rk_check_equal(mesh.texture_count, 1, "textures");
     if (mesh.texcoords)
         rk_check_close(mesh.texcoords[mesh.triangles[0][1]].x, 1, 0, "u of the second corner");
     else
         rk_check(false, "has no texture coordinates");
+    rk_mesh_free(&mesh);
+}
+
+#define SET(offset, set)                                                                           \
+    "<input semantic=\"TEXCOORD\" source=\"#u\" offset=\"" offset "\" set=\"" set "\"/>"
+#define SETS(first, second) SET("1", first) SET("2", second)
+
+/* Of two sets, whose second has u = 0 at the second corner. */
+static void a_material_of_collada_is_bound_to_a_set_of_coordinates(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        double u;
+    } files[] = {
+        {COLLADA_WITH_PICTURE("a.ppm", SETS("0", "1"), "0 0 2 1 1 0 2 2 1", "0"), 1},
+        {COLLADA_WITH_PICTURE("a.ppm", SETS("0", "1"), "0 0 2 1 1 0 2 2 1", "1"), 0},
+        {COLLADA_WITH_PICTURE("a.ppm", SETS("1", "2"), "0 0 2 1 1 0 2 2 1", "1"), 1},
+        {COLLADA_WITH_PICTURE("a.ppm", SETS("1", "2"), "0 0 2 1 1 0 2 2 1", "2"), 0},
+        {COLLADA_WITH_PICTURE("a.ppm", SETS("3", "0"), "0 0 2 1 1 0 2 2 1", "3"), 1},
+    };
+    test_folder_write(&folder, "a.ppm", "P6\n1 1\n255\n\377\0\0", 14, 0600);
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        rk_mesh mesh = load(write_text("sets.dae", files[i].text));
+        rk_check(mesh.texcoords != NULL, "has no texture coordinates");
+        rk_check_close(mesh.texcoords[mesh.triangles[0][1]].x, files[i].u, 0,
+                       "u of the second corner");
+        rk_mesh_free(&mesh);
+    }
+}
+
+/* Cinema 4D writes such. Assimp aborts. */
+static void a_picture_of_collada_may_have_no_name(void **state)
+{
+    (void)state;
+    static const char text[] = COLLADA_WITH_PICTURE("", SETS("0", "1"), "0 0 0 1 1 1 2 2 2", "0");
+    rk_mesh mesh =
+        load_with_note(write_text("nameless.dae", text), "has a picture without a file's name");
+    rk_check_equal(mesh.texture_count, 0, "textures");
+    rk_mesh_free(&mesh);
+    char other[sizeof text] = "";
+    const char *empty = strstr(text, "<init_from></init_from>");
+    snprintf(other, sizeof other, "%.*s<init_from/>%s", (int)(empty - text), text, empty + 23);
+    mesh = load_with_note(write_text("nameless.dae", other), "has a picture without a file's name");
+    rk_mesh_free(&mesh);
+}
+
+static void an_index_of_collada_below_0_is_refused(void **state)
+{
+    (void)state;
+    check_refused("below.dae",
+                  COLLADA_WITH_PICTURE("a.ppm", SETS("0", "1"), "0 0 0 1 1 1 -1 2 2", "0"),
+                  ": a face has the index -1", "export it again");
+}
+
+static void pictures_of_collada_for_other_programs_are_told(void **state)
+{
+    (void)state;
+    rk_mesh mesh = load_with_note(
+        write_text("cg.dae", COLLADA_OF("<library_effects><effect id=\"e\"><profile_CG><newparam "
+                                        "sid=\"f\"><surface type=\"2D\"><init_from>i</init_from>"
+                                        "</surface></newparam></profile_CG><profile_COMMON>"
+                                        "<technique sid=\"t\"><lambert/></technique>"
+                                        "</profile_COMMON></effect></library_effects>",
+                                        "")),
+        "has pictures in effects for other programs (such as profile_CG)");
     rk_mesh_free(&mesh);
 }
 
@@ -545,6 +614,10 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_collada_scene_without_its_geometry_is_refused),
     cmocka_unit_test(what_an_x3d_does_not_show_is_told),
     cmocka_unit_test(blanks_around_numbers_of_collada_are_skipped),
+    cmocka_unit_test(a_material_of_collada_is_bound_to_a_set_of_coordinates),
+    cmocka_unit_test(a_picture_of_collada_may_have_no_name),
+    cmocka_unit_test(an_index_of_collada_below_0_is_refused),
+    cmocka_unit_test(pictures_of_collada_for_other_programs_are_told),
     cmocka_unit_test(flat_faces_of_3ds_are_told),
     cmocka_unit_test(a_channel_that_a_collada_mesh_lacks_is_its_first),
 };

@@ -7,7 +7,6 @@
 #include "io/mesh_helper/mesh_guard.h"
 #include "io/mesh_helper/mesh_ply_names.h"
 #include "io/mesh_helper/mesh_unread.h"
-#include "io/mesh_helper/mesh_up.h"
 #include "io/mesh_helper/text_encoding.h"
 #include "io/stand_in.h"
 
@@ -73,28 +72,6 @@ static char *copy_with_feeds(const char *path, const char *text, size_t size, rk
     for (size_t i = 0; turned && i < size; i++)
         turned[i] = text[i] == '\r' ? '\n' : text[i];
     return turned;
-}
-
-static bool is_blank(char c)
-{
-    return c == ' ' || c == '\t' || c == '\r' || c == '\n';
-}
-
-/* Of XML, without the blanks between a tag and a number, at which Assimp gives up on Collada. */
-static char *copy_without_blanks(const char *path, const char *text, size_t size, size_t *copied,
-                                 rk_error *error)
-{
-    char *copy = rk_allocate_unset(size, 1, path, error);
-    *copied = 0;
-    for (size_t i = 0; copy && i < size; i++) {
-        copy[(*copied)++] = text[i];
-        size_t next = i + 1;
-        while (text[i] == '>' && next < size && is_blank(text[next]))
-            next++;
-        if (next > i + 1 && next < size && strchr("+-.0123456789", text[next]))
-            i = next - 1;
-    }
-    return copy;
 }
 
 /* In DirectX's text, with a blank after each comma before a digit, or Assimp takes it for the point
@@ -195,11 +172,8 @@ static bool parse_bytes(const char *path, const char *text, size_t size, rk_mesh
         return rk_mesh_syntax_amf(path, text, size, hints, error);
     if (rk_mesh_files_has_ending(path, "x3d"))
         return rk_mesh_syntax_x3d(path, text, size, hints, error);
-    if (rk_mesh_files_has_ending(path, "dae")) {
-        hints->up = rk_mesh_up_of_collada(text, size);
-        hints->text = copy_without_blanks(path, text, size, &hints->size, error);
-        return hints->text != NULL;
-    }
+    if (rk_mesh_files_has_ending(path, "dae"))
+        return rk_mesh_syntax_dae(path, text, size, hints, error);
     if (rk_mesh_files_has_ending(path, "x") && size > 16 && memcmp(text, "xof ", 4) == 0 &&
         memcmp(text + 8, "txt ", 4) == 0)
         return space_commas(path, text, size, hints, error);

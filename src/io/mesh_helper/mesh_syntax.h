@@ -10,6 +10,9 @@
 
 enum { RK_MESH_HINTS_FOLDERS = 8 };
 
+/* Stands for the name of a picture that has none, on which Assimp would abort. */
+#define RK_MESH_NO_PICTURE "raykit: no picture's name"
+
 /* Further results of the check. */
 typedef struct rk_mesh_hints {
     bool plain;            /* no surface has a material: Assimp's grey does not count */
@@ -63,6 +66,8 @@ bool rk_mesh_syntax_3mf(const char *path, const char *text, size_t size, rk_mesh
 bool rk_mesh_syntax_amf(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
                         rk_error *error);
 bool rk_mesh_syntax_x3d(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
+                        rk_error *error);
+bool rk_mesh_syntax_dae(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
                         rk_error *error);
 bool rk_mesh_syntax_glb(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
                         rk_error *error);

@@ -2,6 +2,7 @@
  * it. */
 #include "io/mesh_helper/mesh_texture.h"
 
+#include "io/mesh_helper/mesh_syntax.h"
 #include "io/mesh_stream.h"
 
 #include <assimp/GltfMaterial.h>
@@ -44,7 +45,8 @@ static bool find_typed(const struct aiMaterial *material, enum aiTextureType typ
     *found = (named_picture){.modes = {aiTextureMapMode_Wrap, aiTextureMapMode_Wrap}, .type = type};
     return aiGetMaterialTexture(material, type, 0, &found->name, NULL, &found->set, NULL, NULL,
                                 found->modes, NULL) == aiReturn_SUCCESS &&
-           found->name.length > 0;
+           found->name.length > 0 &&
+           strncmp(found->name.data, RK_MESH_NO_PICTURE, sizeof RK_MESH_NO_PICTURE - 1) != 0;
 }
 
 /* Assimp calls it diffuse; in some formats it is called base colour, or both. */
