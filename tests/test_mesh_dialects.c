@@ -208,6 +208,19 @@ static void a_comment_may_follow_the_name_of_a_material(void **state)
     rk_mesh_free(&mesh);
 }
 
+static void a_comment_may_follow_the_name_of_a_new_material(void **state)
+{
+    (void)state;
+    write_text("new.mtl", "newmtl red # shiny\nKd 1 0 0\nnewmtl Material #2\nKd 0 1 0\n"
+                          "newmtl Material\t#none\nKd 0 0 1\nnewmtl red#ish\nKd 1 1 1\n");
+    rk_mesh mesh =
+        load(write_text("new.obj", "mtllib new.mtl\n" CORNERS "usemtl red\n" FACE
+                                   "usemtl Material #2\n" FACE "usemtl red # dull\n" FACE));
+    for (uint32_t i = 0; i < mesh.triangle_count; i++)
+        check_point(mesh.materials[mesh.triangle_materials[i]].kd, i != 1, i == 1, 0);
+    rk_mesh_free(&mesh);
+}
+
 /* Assimp gives them a later one. */
 static void faces_before_the_first_material_have_none(void **state)
 {
@@ -1306,6 +1319,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(words_of_an_mtl_may_be_in_capitals),
     cmocka_unit_test(a_material_that_no_file_has_is_named),
     cmocka_unit_test(a_comment_may_follow_the_name_of_a_material),
+    cmocka_unit_test(a_comment_may_follow_the_name_of_a_new_material),
     cmocka_unit_test(faces_before_the_first_material_have_none),
     cmocka_unit_test(invisible_materials_are_told),
     cmocka_unit_test(a_mesh_without_any_area_says_so),

@@ -81,7 +81,8 @@ static uint32_t source_named(const rk_mesh_emit_state *g, const char *name, uint
     return otherwise;
 }
 
-/* Where no material file has the name that an OBJ uses, the longest one before a comment. */
+/* Where no material file has the name that an OBJ uses, the longest one before a comment, in the
+ * OBJ or in the file. */
 static uint32_t without_comment(const rk_mesh_emit_state *g, uint32_t source)
 {
     struct aiString name;
@@ -95,8 +96,11 @@ static uint32_t without_comment(const rk_mesh_emit_state *g, uint32_t source)
             sign--;
         *sign = '\0';
     }
+    const rk_mesh_mtl_material *commented = rk_mesh_mtl_find_commented(&g->mtl, name.data);
     const bool is_cut = strlen(name.data) < name.length;
-    return is_cut ? source_named(g, name.data, source) : source;
+    return commented ? source_named(g, commented->name, source)
+           : is_cut  ? source_named(g, name.data, source)
+                     : source;
 }
 
 static bool find_material(rk_mesh_emit_state *g, rk_mesh_emit_part *p, rk_error *error)

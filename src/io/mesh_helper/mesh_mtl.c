@@ -179,3 +179,17 @@ const rk_mesh_mtl_material *rk_mesh_mtl_find(const rk_mesh_mtl *mtl, const char 
             return &mtl->materials[i];
     return NULL;
 }
+
+const rk_mesh_mtl_material *rk_mesh_mtl_find_commented(const rk_mesh_mtl *mtl, const char *name)
+{
+    const size_t length = strlen(name);
+    const bool is_there = rk_mesh_mtl_find(mtl, name) != NULL;
+    for (uint32_t i = 0; i < mtl->count && !is_there; i++) {
+        const char *other = mtl->materials[i].name;
+        if (strncmp(other, name, length) != 0 || !strchr(" \t", other[length]))
+            continue;
+        if (other[length + strspn(other + length, " \t")] == '#')
+            return &mtl->materials[i];
+    }
+    return NULL;
+}

@@ -30,4 +30,8 @@ bool rk_mesh_mtl_copy_known(FILE *file, char **text, size_t *size);
 /* Returns the first material of that name, as Assimp does, or NULL. */
 const rk_mesh_mtl_material *rk_mesh_mtl_find(const rk_mesh_mtl *mtl, const char *name);
 
+/* Returns the first material whose name is that and a comment, or NULL; NULL also if one has the
+ * name alone. */
+const rk_mesh_mtl_material *rk_mesh_mtl_find_commented(const rk_mesh_mtl *mtl, const char *name);
+
 #endif
