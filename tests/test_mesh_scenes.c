@@ -244,6 +244,45 @@ static void colours_of_an_x3d_replace_the_diffuse_colour(void **state)
     rk_mesh_free(&mesh);
 }
 
+/* ISO/IEC 19775-1, 17.2.2.4; version 4.0 multiplies. */
+static void a_picture_of_an_x3d_replaces_the_diffuse_colour_if_it_has_one(void **state)
+{
+    (void)state;
+    static const char red[] = "P6\n1 1\n255\n\377\0\0", grey[] = "P5\n1 1\n255\n\200";
+    static const char grey_png[] = "\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\1\0\0\0\1\x8\0";
+    static const char grey_jpeg[] = "\xff\xd8\xff\xe0\0\4ab\xff\xc2\0\xb\x8\0\1\0\1\1";
+    static const char colour_jpeg[] = "\xff\xd8\xff\xe0\0\4ab\xff\xc0\0\x11\x8\0\1\0\1\3";
+    static const struct {
+        const char *picture;
+        size_t size;
+        const char *version;
+        bool is_whole, replaces;
+    } files[] = {
+        {red, sizeof red - 1, "3.3", true, true},
+        {red, sizeof red - 1, "4.0", true, false},
+        {grey, sizeof grey - 1, "3.3", true, false},
+        {grey_png, sizeof grey_png, "3.0", false, false},
+        {grey_jpeg, sizeof grey_jpeg - 1, "3.0", false, false},
+        {colour_jpeg, sizeof colour_jpeg - 1, "3.0", false, true},
+    };
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        char text[1000];
+        test_folder_write(&folder, "a.pic", files[i].picture, files[i].size, 0600);
+        snprintf(text, sizeof text,
+                 "<X3D version='%s'><Scene>" X3D_FACE(
+                     "<Appearance><Material diffuseColor='0 .5 0'/><ImageTexture url='\"a.pic\"'/>"
+                     "</Appearance>",
+                     "<TextureCoordinate point='0 0 1 0 0 1'/>") "</Scene></X3D>",
+                 files[i].version);
+        const test_path path = write_text("replace.x3d", text);
+        rk_mesh mesh = files[i].is_whole ? load(path) : load_with_note(path, "cannot be read");
+        const float other = files[i].replaces ? 1 : 0;
+        check_point(mesh.materials[mesh.triangle_materials[0]].kd, other,
+                    files[i].replaces ? 1 : 0.5f, other);
+        rk_mesh_free(&mesh);
+    }
+}
+
 /* ISO/IEC 19775-1, 13.3.2. */
 static void check_cone(const char *attributes, float apex)
 {
@@ -417,6 +456,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_picture_of_an_x3d_may_have_quotes_and_others_after_it),
     cmocka_unit_test(colours_of_an_x3d_replace_the_diffuse_colour),
     cmocka_unit_test(an_x3d_names_the_file_that_it_lacks),
+    cmocka_unit_test(a_picture_of_an_x3d_replaces_the_diffuse_colour_if_it_has_one),
     cmocka_unit_test(cones_of_an_x3d_point_upwards),
     cmocka_unit_test(a_gltf_names_the_file_that_it_lacks),
     cmocka_unit_test(blanks_in_the_name_of_a_gltfs_file_may_be_escaped),

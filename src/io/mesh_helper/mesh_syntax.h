@@ -32,14 +32,15 @@ typedef struct rk_mesh_hints {
     size_t part_count;
     struct rk_mesh_amf_place *places; /* of an AMF file's instances, in its order, or NULL */
     size_t place_count;
-    size_t models;       /* in the archive of a 3MF file, of which Assimp reads one */
-    bool has_wide_draco; /* compressed indices of 32 bits, which Assimp does not decode */
-    size_t uses;         /* usemtl lines of an OBJ file */
-    uint32_t up;         /* the axis that a Collada file names, 1 to 3 for x to z; or 0 */
-    bool is_gltf_1;      /* version 1.0, of which Assimp reads some */
-    char undrawn[256];   /* nodes of an X3D file that Assimp leaves out, or "" */
-    char missing[256];   /* the name of a file that a glTF or X3D file needs, if it is not there, or
-                            "" */
+    size_t models;         /* in the archive of a 3MF file, of which Assimp reads one */
+    bool has_wide_draco;   /* compressed indices of 32 bits, which Assimp does not decode */
+    size_t uses;           /* usemtl lines of an OBJ file */
+    uint32_t up;           /* the axis that a Collada file names, 1 to 3 for x to z; or 0 */
+    bool pictures_replace; /* the diffuse colour, as in X3D before 4.0 */
+    bool is_gltf_1;        /* version 1.0, of which Assimp reads some */
+    char undrawn[256];     /* nodes of an X3D file that Assimp leaves out, or "" */
+    char missing[256]; /* the name of a file that a glTF or X3D file needs, if it is not there, or
+                          "" */
     char folders[RK_MESH_HINTS_FOLDERS][1024]; /* of material files, relative, with a slash */
     int folder_count;
 } rk_mesh_hints;

@@ -100,6 +100,8 @@ static void turn_cone(x3d_parser *s, xml_span tag)
 static void see_tag(x3d_parser *s, xml_span tag)
 {
     xml_span value;
+    if (xml_is_tag(tag, "X3D") && xml_find_attribute(tag, "version", &value))
+        s->hints->pictures_replace = xml_number(value) < 4;
     for (int i = 0; i < undrawn_count; i++)
         s->has_undrawn[i] |= xml_is_tag(tag, undrawn[i]);
     s->has_prototypes |= xml_is_tag(tag, "ProtoInstance");
@@ -141,6 +143,7 @@ bool rk_mesh_syntax_x3d(const char *path, const char *text, size_t size, rk_mesh
 {
     const char *at = text, *const end = text + size;
     x3d_parser s = {.path = path, .hints = hints};
+    hints->pictures_replace = true;
     s.rewrite = (mesh_rewrite){open_memstream(&hints->text, &hints->size), text};
     if (!s.rewrite.out)
         return rk_fail(error, "%s: no memory for its text: simplify the mesh", path);

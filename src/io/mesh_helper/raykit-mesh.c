@@ -12,6 +12,7 @@
 #include "io/mesh_helper/mesh_rewrite.h"
 #include "io/mesh_helper/mesh_syntax.h"
 #include "io/mesh_helper/mesh_up.h"
+#include "io/mesh_helper/mesh_x3d_colours.h"
 #include "io/mesh_stream.h"
 
 #include <assimp/cimport.h>
@@ -354,6 +355,8 @@ static bool convert(const char *path, rk_mesh_hints *hints, rk_error *error)
     if (ok) {
         rk_mesh_up_set(&mesh, scene, path, hints->up);
         find_pictures(&textures, hints, path);
+        if (hints->pictures_replace)
+            rk_mesh_x3d_colours_replace(&mesh, &textures, path);
         note_distance(hints, &mesh, path);
         note_area(hints, &mesh, path);
         note_invisible(hints, &mesh, &textures, path);
