@@ -201,17 +201,24 @@ static void append_attribute(byte_list *list, const char *name, const char *type
     append(list, value, size);
 }
 
-/* An OpenEXR file of one grey float, uncompressed ("OpenEXR File Layout"), with the name of its
- * colour space. */
-static test_path write_grey_exr(const test_folder *folder, const char *space, float grey)
+/* An OpenEXR file of one pixel of floats, uncompressed ("OpenEXR File Layout"), with the name of
+ * its colour space. `names`: of its channels, each followed by a blank. */
+static test_path write_small_exr(const test_folder *folder, const char *names, const char *space,
+                                 const float *values)
 {
-    static const char channels[] = "Y\0\2\0\0\0\0\0\0\0\1\0\0\0\1\0\0\0";
-    const uint32_t window[4] = {0}, version = 2, size = sizeof grey, row = 0;
+    byte_list channels = {.size = 0};
+    uint32_t size = 0;
+    for (const char *name = names; *name; name = strchr(name, ' ') + 1, size += sizeof *values) {
+        append(&channels, name, (size_t)(strchr(name, ' ') - name));
+        append(&channels, "\0\2\0\0\0\0\0\0\0\1\0\0\0\1\0\0\0", 17);
+    }
+    append(&channels, "", 1);
+    const uint32_t window[4] = {0}, version = 2, row = 0;
     const float one = 1, centre[2] = {0};
     byte_list list = {.size = 0};
     append(&list, "\x76\x2f\x31\x01", 4);
     append(&list, &version, sizeof version);
-    append_attribute(&list, "channels", "chlist", channels, sizeof channels);
+    append_attribute(&list, "channels", "chlist", channels.bytes, (uint32_t)channels.size);
     append_attribute(&list, "compression", "compression", "", 1);
     append_attribute(&list, "dataWindow", "box2i", window, sizeof window);
     append_attribute(&list, "displayWindow", "box2i", window, sizeof window);
@@ -225,7 +232,7 @@ static test_path write_grey_exr(const test_folder *folder, const char *space, fl
     append(&list, &offset, sizeof offset);
     append(&list, &row, sizeof row);
     append(&list, &size, sizeof size);
-    append(&list, &grey, sizeof grey);
+    append(&list, values, size);
     return test_folder_write(folder, "made.exr", list.bytes, list.size, 0600);
 }
 
@@ -236,11 +243,26 @@ static void floats_are_decoded_only_if_their_file_names_a_curve(void **state)
         double want;
     } spaces[] = {{"lin_srgb", 0.5}, {"lin_rec709", 0.5}, {"Rec709", 0.5}, {"sRGB", 0.21404114}};
     for (size_t i = 0; i < sizeof spaces / sizeof *spaces; i++) {
-        rk_image image = read_image(write_grey_exr(*state, spaces[i].space, 0.5f));
+        rk_image image =
+            read_image(write_small_exr(*state, "Y ", spaces[i].space, (float[]){0.5f}));
         rk_check_near(image.pixels[0].x, spaces[i].want, 1e-7, "0.5 stored in the space %s",
                       spaces[i].space);
         rk_image_free(&image);
     }
+}
+
+/* As Blender and other renderers save them. */
+static void an_exr_whose_colours_are_in_layers_names_the_first(void **state)
+{
+    static const float values[] = {1, 2, 3, 4, 5, 6, 7};
+    check_refused(write_small_exr(*state, "a.Z key.light.B key.light.G key.light.R z.B z.G z.R ",
+                                  "lin_srgb", values),
+                  ": has its colours in layers (the first: key.light), and no R, G and B outside");
+    rk_image image =
+        read_image(write_small_exr(*state, "A.B A.G A.R B G R x.R ", "lin_srgb", values));
+    for (int c = 0; c < 3; c++)
+        rk_check_close(rk_axis(image.pixels[0], c), 6 - c, 0, "those outside");
+    rk_image_free(&image);
 }
 
 static void jpeg_is_srgb_encoded(void **state)
@@ -865,6 +887,7 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(a_portable_float_map_is_linear),
     test_in_folder(the_first_bytes_name_the_format),
     test_in_folder(floats_are_decoded_only_if_their_file_names_a_curve),
+    test_in_folder(an_exr_whose_colours_are_in_layers_names_the_first),
     test_in_folder(jpeg_is_srgb_encoded),
     test_in_folder(eight_bit_grey_is_decoded_and_replicated),
     test_in_folder(sixteen_bits_are_decoded_and_alpha_is_dropped),

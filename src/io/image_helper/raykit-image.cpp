@@ -197,6 +197,19 @@ struct Channels {
     int first, count;
 };
 
+// "" if there is none.
+std::string first_layer(const OIIO::ImageSpec &spec)
+{
+    for (const std::string &name : spec.channelnames) {
+        const size_t end = name.size() > 2 ? name.size() - 2 : 0;
+        const std::string layer = name.substr(0, end);
+        if (end > 0 && name.compare(end, 2, ".R") == 0 && spec.channelindex(layer + ".G") >= 0 &&
+            spec.channelindex(layer + ".B") >= 0)
+            return layer;
+    }
+    return "";
+}
+
 Channels colour_channels(const std::string &path, const OIIO::ImageSpec &spec)
 {
     if (spec.channelindex("RY") >= 0 || spec.channelindex("BY") >= 0)
@@ -204,6 +217,12 @@ Channels colour_channels(const std::string &path, const OIIO::ImageSpec &spec)
     int red = spec.channelindex("R");
     if (red >= 0 && spec.channelindex("G") == red + 1 && spec.channelindex("B") == red + 2)
         return {red, 3};
+    const std::string layer = red < 0 ? first_layer(spec) : "";
+    if (!layer.empty())
+        fail(path, "has its colours in layers (the first: " + layer +
+                       "), and no R, G and B outside them; save one as a picture, for instance by "
+                       "oiiotool --ch R=" +
+                       layer + ".R,G=" + layer + ".G,B=" + layer + ".B");
     return {0, spec.nchannels >= 3 ? 3 : 1};
 }
 
