@@ -595,6 +595,40 @@ static void flat_faces_of_3ds_are_told(void **state)
     rk_mesh_free(&mesh);
 }
 
+/* --- MD2 ------------------------------------------------------------------------------------ */
+
+/* A head of 17 words, three texture coordinates, a triangle, a frame of three vertices, and no
+ * commands; or with the name of a skin before them. */
+static test_path write_md2(uint32_t skins)
+{
+    enum { head = 68, skin = 64, frame = 52 };
+    const uint32_t texcoords = head + skin * skins, triangle = texcoords + 12,
+                   frames = triangle + 12, end = frames + frame + 4;
+    const uint32_t words[17] = {
+        0x32504449, 8,    64,        64,       frame,  skins,          3,  3, 1, 1,
+        1,          head, texcoords, triangle, frames, frames + frame, end};
+    static const uint16_t corners[12] = {0, 0, 63, 0, 0, 63, 0, 1, 2, 0, 1, 2};
+    static const float scale[6] = {1, 1, 1};
+    static const char points[12] = {0, 0, 0, 0, 9, 0, 0, 0, 0, 9, 0, 0};
+    char bytes[head + skin + 12 + 12 + frame + 4] = {0};
+    memcpy(bytes, words, sizeof words);
+    memcpy(bytes + head, "gone.pcx", skins ? 9 : 0);
+    memcpy(bytes + texcoords, corners, sizeof corners);
+    memcpy(bytes + frames, scale, sizeof scale);
+    memcpy(bytes + frames + 40, points, sizeof points);
+    return test_folder_write(&folder, "skin.md2", bytes, end, 0600);
+}
+
+static void an_md2_without_a_skin_lacks_no_picture(void **state)
+{
+    (void)state;
+    rk_mesh mesh = load(write_md2(0));
+    rk_check_equal(mesh.triangle_count, 1, "triangles");
+    rk_mesh_free(&mesh);
+    mesh = load_with_note(write_md2(1), "gone.pcx: No such file");
+    rk_mesh_free(&mesh);
+}
+
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(what_a_3mf_does_not_show_is_told),
     cmocka_unit_test(colours_of_a_3mf_are_srgb),
@@ -619,6 +653,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(an_index_of_collada_below_0_is_refused),
     cmocka_unit_test(pictures_of_collada_for_other_programs_are_told),
     cmocka_unit_test(flat_faces_of_3ds_are_told),
+    cmocka_unit_test(an_md2_without_a_skin_lacks_no_picture),
     cmocka_unit_test(a_channel_that_a_collada_mesh_lacks_is_its_first),
 };
 

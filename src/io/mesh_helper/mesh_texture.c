@@ -39,14 +39,20 @@ typedef struct named_picture {
     enum aiTextureType type;
 } named_picture;
 
+/* Assimp's own is for MD2 files without a skin, and those of other games. */
+static bool is_made_up(const char *name)
+{
+    return strncmp(name, RK_MESH_NO_PICTURE, sizeof RK_MESH_NO_PICTURE - 1) == 0 ||
+           strcmp(name, "$texture_dummy.bmp") == 0;
+}
+
 static bool find_typed(const struct aiMaterial *material, enum aiTextureType type,
                        named_picture *found)
 {
     *found = (named_picture){.modes = {aiTextureMapMode_Wrap, aiTextureMapMode_Wrap}, .type = type};
     return aiGetMaterialTexture(material, type, 0, &found->name, NULL, &found->set, NULL, NULL,
                                 found->modes, NULL) == aiReturn_SUCCESS &&
-           found->name.length > 0 &&
-           strncmp(found->name.data, RK_MESH_NO_PICTURE, sizeof RK_MESH_NO_PICTURE - 1) != 0;
+           found->name.length > 0 && !is_made_up(found->name.data);
 }
 
 /* Assimp calls it diffuse; in some formats it is called base colour, or both. */
