@@ -42,6 +42,20 @@ static void line_breaks_become_spaces(void **state)
     assert_string_equal(error.text, "a b  c");
 }
 
+/* Of names in files, which could clear a terminal, or write what looks like ours. */
+static void control_characters_are_escaped(void **state)
+{
+    (void)state;
+    rk_error error;
+    rk_fail(&error, "a\x1b[2J\x7f\b\tb \xc2\x9b \xc3\xa9 \xc2\xa0");
+    assert_string_equal(error.text, "a\\x1b[2J\\x7f\\x08\tb \\xc2\\x9b \xc3\xa9 \xc2\xa0");
+    char text[sizeof error.text + 10];
+    memset(text, '\a', sizeof text - 1);
+    text[sizeof text - 1] = '\0';
+    rk_fail(&error, "%s", text);
+    rk_check_equal(strlen(error.text), (sizeof error.text - 1) / 4 * 4, "none is cut in two");
+}
+
 static void a_long_sentence_is_truncated(void **state)
 {
     (void)state;
@@ -133,6 +147,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(failing_writes_the_sentence_and_returns_false),
     cmocka_unit_test(failing_without_an_error_is_allowed),
     cmocka_unit_test(line_breaks_become_spaces),
+    cmocka_unit_test(control_characters_are_escaped),
     cmocka_unit_test(a_long_sentence_is_truncated),
     cmocka_unit_test(memory_comes_zeroed_on_a_cache_line),
     cmocka_unit_test(memory_that_was_used_before_comes_zeroed),

@@ -154,6 +154,22 @@ static void words_of_an_mtl_may_be_in_capitals(void **state)
     rk_check_close(material.alpha, 0.5, 0, "D 0.5");
 }
 
+static void control_characters_in_a_name_are_escaped(void **state)
+{
+    (void)state;
+    rk_mesh mesh = load_with_note(write_text("control.obj", "mtllib a\x1b[2Jb.mtl\n" CORNERS FACE),
+                                  "the material file a\\x1b[2Jb.mtl is missing");
+    rk_mesh_free(&mesh);
+    write_text("control.mtl", "newmtl a\nmap_Kd b\ac.ppm\n");
+    mesh = load_with_note(write_text("control.obj",
+                                     "mtllib control.mtl\nvt 0 0\n" CORNERS
+                                     "usemtl a\nf 1/1 2/1 3/1\nusemtl \x1b[1m\nf 1/1 2/1 3/1\n"),
+                          "(the first: \\x1b[1m), whose surfaces are grey");
+    rk_mesh_free(&mesh);
+    mesh = load_with_note(test_folder_path(&folder, "control.obj"), "b\\x07c.ppm: No such file");
+    rk_mesh_free(&mesh);
+}
+
 static void check_told(const char *obj, const char *note, float kd)
 {
     rk_mesh mesh = load_with_note(write_text("told.obj", obj), note);
@@ -1317,6 +1333,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(text_in_utf16_is_read_like_utf8),
     cmocka_unit_test(the_picture_of_a_black_material_is_drawn),
     cmocka_unit_test(words_of_an_mtl_may_be_in_capitals),
+    cmocka_unit_test(control_characters_in_a_name_are_escaped),
     cmocka_unit_test(a_material_that_no_file_has_is_named),
     cmocka_unit_test(a_comment_may_follow_the_name_of_a_material),
     cmocka_unit_test(a_comment_may_follow_the_name_of_a_new_material),

@@ -24,16 +24,44 @@ static void *allocate_pages(size_t bytes)
     return memory;
 }
 
+/* Names come from files, and would act on a terminal. In UTF-8, those from 0x80 on have two bytes.
+ */
+static bool is_control(const char *from, size_t at)
+{
+    const unsigned char c = (unsigned char)from[at], next = (unsigned char)from[at + 1];
+    const unsigned char before = at > 0 ? (unsigned char)from[at - 1] : 0;
+    return (c < 0x20 && c != '\t') || c == 0x7f || (c == 0xc2 && next >= 0x80 && next < 0xa0) ||
+           (before == 0xc2 && c >= 0x80 && c < 0xa0);
+}
+
+/* Line breaks become spaces. */
+static void copy_printable(char *to, size_t room, const char *from)
+{
+    for (size_t at = 0; from[at] && room > 1; at++) {
+        const bool is_break = from[at] == '\n' || from[at] == '\r';
+        if (is_break || !is_control(from, at)) {
+            *to++ = is_break ? ' ' : from[at];
+            room--;
+            continue;
+        }
+        if (room <= 4)
+            break;
+        snprintf(to, room, "\\x%02x", (unsigned)(unsigned char)from[at]);
+        to += 4;
+        room -= 4;
+    }
+    *to = '\0';
+}
+
 bool rk_fail(rk_error *error, const char *format, ...)
 {
     if (error) {
+        char text[sizeof error->text];
         va_list arguments;
         va_start(arguments, format);
-        vsnprintf(error->text, sizeof error->text, format, arguments);
+        vsnprintf(text, sizeof text, format, arguments);
         va_end(arguments);
-        for (char *c = error->text; *c; c++)
-            if (*c == '\n' || *c == '\r')
-                *c = ' ';
+        copy_printable(error->text, sizeof error->text, text);
     }
     return false;
 }

@@ -10,8 +10,8 @@ typedef struct rk_error {
     char text[1024]; /* one line without a newline; "" while all is well */
 } rk_error;
 
-/* Writes the sentence, truncated to fit, and returns false, so that callers can `return
- * rk_fail(...)`. `error` may be NULL if the caller needs no reason. */
+/* Writes the sentence, truncated to fit, with control characters as \x1b, and returns false, so
+ * that callers can `return rk_fail(...)`. `error` may be NULL if the caller needs no reason. */
 bool rk_fail(rk_error *error, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* Returns `count` zeroed elements of `size` bytes, aligned to a cache line (64 bytes), or NULL with

@@ -34,6 +34,8 @@ void rk_mesh_hints_note(rk_mesh_hints *hints, const char *path, const char *form
     if (length < room)
         vsnprintf(text + length, room - length, format, arguments);
     va_end(arguments);
+    const rk_error whole = hints->note;
+    rk_fail(&hints->note, "%s", whole.text); /* on one line */
 }
 
 /* Line ends of old Macintosh programs. */
