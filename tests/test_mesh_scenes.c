@@ -42,6 +42,154 @@ static test_path write_fbx(const char *name, const char *settings, const char *p
     return write_text(name, text);
 }
 
+/* A binary file, record by record: where it ends, the number and size of its properties, its name.
+ */
+typedef struct fbx_file {
+    unsigned char bytes[4000];
+    size_t size, open[4];
+    int depth;
+} fbx_file;
+
+static void put(fbx_file *f, const void *bytes, size_t size)
+{
+    rk_check(f->size + size <= sizeof f->bytes, "the test's own file is too large");
+    memcpy(f->bytes + f->size, bytes, size);
+    f->size += size;
+}
+
+static void put_word(fbx_file *f, uint32_t word)
+{
+    put(f, &word, sizeof word); /* little-endian like the machines that these tests know */
+}
+
+static void add_to_word(fbx_file *f, size_t at, uint32_t more)
+{
+    uint32_t word;
+    memcpy(&word, f->bytes + at, sizeof word);
+    word += more;
+    memcpy(f->bytes + at, &word, sizeof word);
+}
+
+static void begin_record(fbx_file *f, const char *name)
+{
+    f->open[f->depth++] = f->size;
+    put(f, (unsigned char[13]){[12] = (unsigned char)strlen(name)}, 13);
+    put(f, name, strlen(name));
+}
+
+static void put_property(fbx_file *f, char type, const void *bytes, uint32_t size)
+{
+    const size_t record = f->open[f->depth - 1], before = f->size;
+    put(f, &type, 1);
+    if (type == 'S')
+        put_word(f, size);
+    if (type == 'd' || type == 'i') {
+        put_word(f, size / (type == 'd' ? 8 : 4));
+        put_word(f, 0);
+        put_word(f, size);
+    }
+    put(f, bytes, size);
+    add_to_word(f, record + 4, 1);
+    add_to_word(f, record + 8, (uint32_t)(f->size - before));
+}
+
+static void end_record(fbx_file *f, bool has_children)
+{
+    if (has_children)
+        put(f, (unsigned char[13]){0}, 13);
+    add_to_word(f, f->open[--f->depth], (uint32_t)f->size);
+}
+
+static void put_record(fbx_file *f, const char *name, char type, const void *bytes, uint32_t size)
+{
+    begin_record(f, name);
+    put_property(f, type, bytes, size);
+    end_record(f, false);
+}
+
+static void begin_object(fbx_file *f, const char *name, int64_t id, const char *kind)
+{
+    begin_record(f, name);
+    put_property(f, 'L', &id, sizeof id);
+    put_property(f, 'S', "a\0\1b", 4);
+    put_property(f, 'S', kind, (uint32_t)strlen(kind));
+}
+
+/* Two models of one triangle. `material`: of the second; the first has 300. */
+static test_path write_shared_fbx(const char *name, int64_t material)
+{
+    static const double vertices[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    static const int32_t corners[3] = {0, 1, -3}, version = 7400;
+    const int64_t links[][2] = {{200, 0},   {201, 0},   {100, 200},
+                                {100, 201}, {300, 200}, {material, 201}};
+    fbx_file f = {.size = 0};
+    put(&f, "Kaydara FBX Binary  \0\x1a\0", 23);
+    put_word(&f, (uint32_t)version);
+    begin_record(&f, "FBXHeaderExtension");
+    put_record(&f, "FBXVersion", 'I', &version, sizeof version);
+    end_record(&f, true);
+    begin_record(&f, "GlobalSettings");
+    begin_record(&f, "Properties70");
+    end_record(&f, true);
+    end_record(&f, true);
+    begin_record(&f, "Objects");
+    begin_object(&f, "Geometry", 100, "Mesh");
+    put_record(&f, "Vertices", 'd', vertices, sizeof vertices);
+    put_record(&f, "PolygonVertexIndex", 'i', corners, sizeof corners);
+    end_record(&f, true);
+    for (int64_t id = 200; id < 302; id += id == 201 ? 99 : 1) {
+        begin_object(&f, id < 300 ? "Model" : "Material", id, id < 300 ? "Mesh" : "");
+        put_record(&f, id < 300 ? "Version" : "ShadingModel", 'S', "lambert", 7);
+        end_record(&f, true);
+    }
+    end_record(&f, true);
+    begin_record(&f, "Connections");
+    for (size_t i = 0; i < sizeof links / sizeof *links; i++) {
+        begin_record(&f, "C");
+        put_property(&f, 'S', "OO", 2);
+        put_property(&f, 'L', &links[i][0], 8);
+        put_property(&f, 'L', &links[i][1], 8);
+        end_record(&f, false);
+    }
+    end_record(&f, true);
+    put(&f, (unsigned char[13]){0}, 13);
+    return test_folder_write(&folder, name, f.bytes, f.size, 0600);
+}
+
+static test_path write_shared_fbx_text(const char *name, int material)
+{
+    char text[2000];
+    snprintf(text, sizeof text,
+             "; FBX 7.4.0 project file\nFBXHeaderExtension: {\n FBXVersion: 7400\n}\n"
+             "GlobalSettings: {\n Properties70: {\n }\n}\nObjects: {\n"
+             " Geometry: 100, \"Geometry::\", \"Mesh\" {\n  Vertices: *9 {\n"
+             "   a: 0,0,0,1,0,0,0,1,0\n  }\n  PolygonVertexIndex: *3 {\n   a: 0,1,-3\n  }\n }\n"
+             " Model: 200, \"Model::a\", \"Mesh\" {\n  Version: 232\n }\n"
+             " Model: 201, \"Model::b\", \"Mesh\" {\n  Version: 232\n }\n"
+             " Material: 300, \"Material::a\", \"\" {\n  ShadingModel: \"lambert\"\n }\n"
+             " Material: 301, \"Material::b\", \"\" {\n  ShadingModel: \"lambert\"\n }\n}\n"
+             "Connections: {\n C: \"OO\",200,0\n C: \"OO\",201,0\n C: \"OO\",100,200\n"
+             " C: \"OO\", 100, 201\n C: \"OO\",300,200\n C: \"OO\",%d,201\n}\n",
+             material);
+    return write_text(name, text);
+}
+
+/* Assimp gives both models the materials of one. */
+static void a_mesh_of_an_fbx_in_different_materials_is_told(void **state)
+{
+    (void)state;
+    static const char note[] = "shows a mesh several times in different materials";
+    rk_mesh mesh = load_with_note(write_shared_fbx("shared.fbx", 301), note);
+    rk_check_equal(mesh.triangle_count, 2, "triangles");
+    rk_mesh_free(&mesh);
+    mesh = load(write_shared_fbx("shared.fbx", 300));
+    rk_mesh_free(&mesh);
+    mesh = load_with_note(write_shared_fbx_text("shared.fbx", 301), note);
+    rk_mesh_free(&mesh);
+    mesh = load(write_shared_fbx_text("shared.fbx", 300));
+    rk_mesh_free(&mesh);
+}
+
 static void check_red(test_path path)
 {
     rk_mesh mesh = load(path);
@@ -452,6 +600,7 @@ static void a_gltf_of_version_1_is_read_or_told_to_be_one(void **state)
 }
 
 static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(a_mesh_of_an_fbx_in_different_materials_is_told),
     cmocka_unit_test(nodes_of_an_x3d_that_are_not_drawn_are_told),
     cmocka_unit_test(a_picture_of_an_x3d_may_have_quotes_and_others_after_it),
     cmocka_unit_test(colours_of_an_x3d_replace_the_diffuse_colour),
