@@ -702,7 +702,7 @@ static int teardown_false(void **state)
 #define test_with_false_helper(name)                                                               \
     cmocka_unit_test_setup_teardown(name, setup_false, teardown_false)
 
-/* A helper that always gives this answer, and ends. */
+/* A helper that takes a request, always gives this answer, and ends. */
 static void install_answer(const test_folder *folder, const void *bytes, size_t size)
 {
     rk_image_file_reader_end(&reader);
@@ -714,7 +714,9 @@ static void install_answer(const test_folder *folder, const void *bytes, size_t 
         test_folder_write(folder, "answer", whole, sizeof(rk_helper_answer) + size, 0600);
     free(whole);
     char script[1000];
-    int length = snprintf(script, sizeof script, "#!/bin/sh\nexec cat '%s'\n", answer.text);
+    int length =
+        snprintf(script, sizeof script, "#!/bin/sh\nhead -c 1 >'%s.asked'\nexec cat '%s'\n",
+                 answer.text, answer.text);
     test_folder_write(folder, "raykit-image", script, (size_t)length, 0700);
 }
 
