@@ -303,6 +303,15 @@ def it_ends_with_its_grader():
         os.close(descriptor)
 
 
+def its_cost_is_measured():
+    ended = subprocess.run([sys.executable, "-B", os.path.join(SOURCE, "tools", "bench_grade.py"), "normals",
+                            "--rounds", "1"], capture_output=True, text=True, check=False)
+    rows = [line.split() for line in ended.stdout.splitlines()[1:]]
+    fine = [row for row in rows if all(float(number) > 0 for number in row[1:])]
+    check([row[0] for row in fine] == ["normals", "all"], "bench-grade measures both ways to grade",
+          ended.stdout + ended.stderr)
+
+
 def main():
     if not judged.is_possible(build.Toolchain("."), "normals"):
         check(False, "there are judges", "make judges-ready")
@@ -316,6 +325,7 @@ def main():
         another_seed_asks_other_things(folder)
         grader = Grader(folder)
         a_judge_speculates_until_an_answer_is_another_one(grader)
+        its_cost_is_measured()
         right_units_pass_apart(grader)
         starters_and_mistakes_get_the_same_verdicts(grader)
         forgeries_earn_no_more_than_their_code(grader)
