@@ -262,6 +262,8 @@ static void the_ratio_is_between_an_eighth_and_a_half(void **state)
                         {ratios[i][0], "the ratio is not limited to 1/8 .. 1/2"}),
             "quarters 4, halves %g: halves over quarters", 4 * ratios[i][0]);
     rk_check_close(rk_adaptive_ratio((rk_adaptive_differences){0, 0}), 0.5, 0, "no differences");
+    rk_check_close(rk_adaptive_ratio((rk_adaptive_differences){0x1p-200, 0x1p-202}), 0.25, 1e-15,
+                   "quarters 2^-200, halves 2^-202: a very dark picture");
 }
 
 static void later_doublings_are_nearer_to_a_half(void **state)
@@ -284,6 +286,8 @@ static void variance_is_the_sum_of_the_series(void **state)
                    "halves 2, a quarter of quarters: with r = (2/4 + 1/2) / 3");
     rk_check_close(rk_adaptive_variance((rk_adaptive_differences){80, 1}), 1 / 3.0, 1e-12,
                    "halves far below quarters: with r = (2/8 + 1/2) / 3");
+    rk_check_near(ldexp(rk_adaptive_variance((rk_adaptive_differences){0x1p-198, 0x1p-200}), 200),
+                  0.5, 1e-12, "differences 2^-198 and 2^-200, a very dark picture: V times 2^200");
     rk_check_close(rk_adaptive_variance((rk_adaptive_differences){0, 0}), 0, 0, "no differences");
     rk_check_close(rk_adaptive_variance((rk_adaptive_differences){0, 2}), 2, 1e-12,
                    "quarters that happen to be equal");
@@ -346,6 +350,10 @@ static void error_is_relative_to_the_picture(void **state)
                      "rk_adaptive_error(1, 101): V = 1, squares of means 100 + V");
     rk_check_close(rk_adaptive_error(4, 200), 1 / 7.0, 1e-12, "V = 4, squares 200");
     rk_check_close(rk_adaptive_error(4e-8, 4e-8 + 1e-4), 0.02, 1e-9, "a dark picture");
+    rk_check_close(rk_adaptive_error(0x1p-200, 101 * 0x1p-200), 0.1, 1e-12,
+                   "V = 2^-200, squares 101 times as much: a very dark picture");
+    rk_check_close(rk_adaptive_error(0x1p200, 101 * 0x1p200), 0.1, 1e-12,
+                   "V = 2^200, squares 101 times as much: a very bright picture");
     rk_check_close(rk_adaptive_error(0, 5), 0, 0, "no variance");
     rk_check_close(rk_adaptive_error(0, 0), 0, 0, "a black picture");
     rk_check(isinf(rk_adaptive_error(2, 2)), "nothing but noise");
@@ -392,6 +400,9 @@ static void own_variance_is_that_of_the_samples(void **state)
                       "1, 2, ... %u in two rounds", 2 * n);
     }
     /* Floats near 4096 are 2^-11 apart, so each of 64 means is off by as much at most. */
+    const rk_pixel_samples dark = {.deviations = 0x1p-100f, .count = 8};
+    rk_check_near(ldexp((double)rk_adaptive_own_variance(&dark), 100), 1 / 7.0, 1e-6,
+                  "8 samples, squared deviations of 2^-100: sigma^2 times 2^100");
     const rk_pixel_samples far = staircase(64, 4096);
     rk_check_close(rk_adaptive_own_variance(&far) / (64 * 65 / 12.0), 1, 1e-4,
                    "4096, 4097, ...: deviations from the mean, not a difference of large squares");

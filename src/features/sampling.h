@@ -58,8 +58,10 @@ uint32_t rk_permute_digits(uint32_t index, uint32_t key);
  *
  * RK_SAMPLER_ZSOBOL: pixels share a sequence, and a key for each seed and dimension: of the pixel
  * at place z in Z order, sample i of N is point z N + i. A square of 2^RK_MORTON_DIGITS pixels on a
- * side has a sequence of its own; z is the permuted Morton index within it. Dimensions that are not
- * joint take the first two of the same points, in an order and with a key of their own for each. */
+ * side has a sequence of its own; z is the permuted Morton index within it. Points are counted in
+ * 32 bits: with more than 2^20 samples, pixels whose z N are equal in these share points.
+ * Dimensions that are not joint take the first two of the same points, in an order and with a key
+ * of their own for each. */
 float rk_joint_1d(const rk_sampler *sampler, uint32_t pixel, uint32_t sample, uint32_t dimension);
 rk_vec2 rk_joint_2d(const rk_sampler *sampler, uint32_t pixel, uint32_t sample, uint32_t dimension);
 void rk_joint_2d_run(const rk_sampler *sampler, uint32_t pixel, uint32_t first, uint32_t count,

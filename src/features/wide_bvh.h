@@ -9,8 +9,10 @@
 #include "scene/wide_tree.h"
 
 /* Makes the tree from a valid binary one, which is only read. Subtrees of at most RK_WIDE_BLOCK
- * triangles become one leaf. False, with an empty tree, if memory runs out, or if there are more
- * blocks than RK_WIDE_BLOCK_BITS can count. Release with rk_wide_bvh_free. */
+ * triangles become one leaf. Of all choices of nodes and leaves, the tree is one with the least
+ * expected cost, which is a node's area for each node, and a leaf's times its blocks for each leaf.
+ * False, with an empty tree, if memory runs out, or if there are more blocks than
+ * RK_WIDE_BLOCK_BITS can count. Release with rk_wide_bvh_free. */
 bool rk_wide_bvh_build(rk_wide_bvh *wide, const rk_bvh *bvh, rk_error *error);
 
 /* Returns the closest hit at 0 < t <= ray->t_max; at equal t the smallest triangle index. On a miss
