@@ -327,7 +327,7 @@ def who_has_nobody_to_answer_is_ended(folder):
 
 def who_sleeps_is_ended_and_who_is_slow_is_not(folder):
     def run_it(command, **options):
-        return sandbox.run(["/bin/sh", "-c", command], megabytes=100, folder=folder, patience=60,
+        return sandbox.run(["/bin/sh", "-c", command], megabytes=100, folder=folder,
                            environment=dict(os.environ), **options)
 
     for what, command in {"sleeps": "sleep 60", "stops itself": "kill -STOP $$",
@@ -337,12 +337,22 @@ def who_sleeps_is_ended_and_who_is_slow_is_not(folder):
               [outcome.limit, str(outcome.seconds)])
     partner = subprocess.Popen(["/bin/sh", "-c", "while :; do :; done"])
     outcome = run_it("sleep 4", seconds=1, partners=(partner.pid,))
+    with mock.patch.object(sandbox, "_PATIENCE", 1):
+        endless = run_it("sleep 60", seconds=1, partners=(partner.pid,))
     partner.kill()
     partner.wait()
     check(not outcome.limit, "but not one whose partner works meanwhile", str(outcome.limit))
+    check(endless.limit == "seconds", "if that does not work forever", str(endless.limit))
+    told = ""
     with mock.patch.object(idleness, "_look_at", lambda thread: ("R", 0)):
-        outcome = run_it("sleep 4", seconds=1, partners=())
+        outcome = run_it("sleep 4", seconds=0.25)
+        with mock.patch.object(sandbox, "_STARVED", 2):
+            try:
+                run_it("sleep 60", seconds=1)
+            except ToolError as error:
+                told = str(error)
     check(not outcome.limit, "nor one that waits for a processor", str(outcome.limit))
+    check("the machine is too busy" in told, "a machine that is too busy is no claim's fault", told)
 
 
 def only_data_is_believed():

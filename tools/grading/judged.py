@@ -17,7 +17,6 @@ from grading import sandbox
 _BYTES = 256 << 20  # RK_JUDGE_BYTES of tests/judge/protocol.h
 _LEAKS = 23  # RK_JUDGE_LEAKS there
 _GET_SEALS, _SEAL_FUTURE_WRITE = 1034, 0x10  # of <linux/fcntl.h>
-_WAITS = 12  # so many times its seconds a unit's process may wait for the judge's next call
 _GRACE = 1  # seconds that a unit's process may need to end when its judge has failed
 _PATIENCE = 20  # seconds that a judge may work on when the unit's process has ended
 
@@ -123,7 +122,7 @@ def run(toolchain, stem, name, program, secret, **options):
         options["environment"] = dict(options["environment"], RAYKIT_JUDGE=f"{asked},{answered}")
         # The judge sees by the pipe that the unit's process has ended.
         outcome = sandbox.run(["unit_" + stem], program=program, descriptors=(asked, answered, held),
-                              when_begun=lambda: os.close(descriptors.pop()), patience=_WAITS,
+                              when_begun=lambda: os.close(descriptors.pop()),
                               is_needless=judge.has_failed, partners=(judge.process.pid,), **options)
         status, attested, testimony, said = judge.finish()
     finally:

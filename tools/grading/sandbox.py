@@ -28,7 +28,8 @@ _PAGE = os.sysconf("SC_PAGE_SIZE")
 _PROCESSES_MAX = 64
 _FILE_BYTES_MAX = 256 << 20
 _LOOK = 0.05  # seconds from one look at a program's memory to the next
-_PATIENCE = 4  # so many times its seconds may pass for a program that does not work all of the time
+_PATIENCE = 12  # so many times a program's seconds those that it works with may work
+_STARVED = 60  # so many times its seconds may pass if it neither works nor sleeps as long: a busy machine
 _KEPT = 64 << 10  # bytes of the output's beginning, and as many of its end
 _ENDED_BY_SIGNAL = 128  # bubblewrap's exit status is then this and the signal's number
 
@@ -123,9 +124,9 @@ def _family(pid):
     return family
 
 
-def _worked(pid):
-    """Returns the processor seconds of a process and its children; infinite if unknown. With these, a
-    busy machine makes no program fail."""
+def _worked(pid, unknown=float("inf")):
+    """Returns the processor seconds of a process and its children. With these, a busy machine makes no
+    program fail."""
     ticks = 0
     for process in _family(pid):
         try:
@@ -133,7 +134,7 @@ def _worked(pid):
                 ticks += sum(map(int, file.read().rpartition(")")[2].split()[11:15]))
         except (OSError, ValueError):
             if process == pid:
-                return float("inf")
+                return unknown
     return ticks / os.sysconf("SC_CLK_TCK")
 
 
@@ -254,14 +255,14 @@ def _limited(command, seconds):
 
 
 def run(command, *, seconds, megabytes, folder, environment, output_bytes=16 << 20, program=None,
-        secret=b"", enclose=None, system_calls=b"", descriptors=(), when_begun=None, patience=_PATIENCE,
-        is_needless=lambda: False, partners=None):
+        secret=b"", enclose=None, system_calls=b"", descriptors=(), when_begun=None,
+        is_needless=lambda: False, partners=()):
     """Runs the command in `folder` and returns its Outcome. A Program as `program` is run instead; if there
     is a secret, in RAYKIT_ATTEST it gets a descriptor from which it reads that, and outcome.attested tells
     whether it came back; outcome.testimony is what else came. `enclose` puts a command into bubblewrap.
-    `when_begun` is called when the program has its descriptors. One that does not work all of the time may
-    take `patience` times its seconds, and it ends when it `is_needless`. With `partners`, the processes that
-    it works with, it may sleep no longer than its seconds while they do nothing either."""
+    `when_begun` is called when the program has its descriptors; it ends when it `is_needless`. It may work no
+    longer than its seconds, and sleep no longer while its `partners`, the processes that it works with, do
+    nothing either; they may work some times as long. Raises ToolError where the machine is too busy."""
     outcome, kept = Outcome(), _Tail()
     descriptors, options = tuple(descriptors), {}
     status = os.pipe() if enclose else ()
@@ -306,9 +307,8 @@ def run(command, *, seconds, megabytes, folder, environment, output_bytes=16 << 
         if enclose and system_calls:
             os.close(listed)
     try:
-        idle = partners is not None and Idleness(_family, (process.pid, *partners))
-        _watch(process, outcome, kept, (began, seconds, patience), megabytes << 20, output_bytes,
-               bool(enclose), is_needless, idle)
+        _watch(process, partners, outcome, kept, (began, seconds), megabytes << 20, output_bytes,
+               bool(enclose), is_needless)
     finally:
         _kill(process.pid)
         outcome.status = process.wait()
@@ -362,10 +362,10 @@ def _drain(pipe, kept):
         pass
 
 
-def _watch(process, outcome, kept, times, memory_bytes, output_bytes, is_enclosed, is_needless, idle):
+def _watch(process, partners, outcome, kept, times, memory_bytes, output_bytes, is_enclosed, is_needless):
     """Reads until the program ends or is ended, with the reason in outcome.limit."""
-    began, seconds, patience = times
-    next_look = 0.0
+    began, seconds = times
+    idle, next_look = Idleness(_family, (process.pid, *partners)), 0.0
     with selectors.DefaultSelector() as selector:
         selector.register(process.stdout, selectors.EVENT_READ)
         while not _has_ended(process):
@@ -379,7 +379,7 @@ def _watch(process, outcome, kept, times, memory_bytes, output_bytes, is_enclose
             now = time.monotonic()
             occupied, processes, slept = 0, 1, 0.0
             if now >= next_look:
-                slept = idle.look() if idle else 0.0
+                slept = idle.look()
                 occupied, processes = _occupied(process.pid)
                 next_look = now + _LOOK
                 outcome.occupied = max(outcome.occupied, occupied)
@@ -393,12 +393,18 @@ def _watch(process, outcome, kept, times, memory_bytes, output_bytes, is_enclose
                 outcome.limit = "memory"
             elif processes > _PROCESSES_MAX:
                 outcome.limit = "processes"
-            elif slept > seconds or now - began > seconds and (now - began > patience * seconds
-                                                               or _worked(process.pid) > seconds):
+            elif slept > seconds or now - began > seconds and _have_worked(process, partners, seconds):
                 outcome.limit = "seconds"
                 _ask_where(process, kept, is_enclosed)
+            elif now - began > _STARVED * seconds:
+                raise ToolError(f"the machine is too busy: what worked {_worked(process.pid, 0):.1f} s did "
+                                f"not end in {now - began:.0f} s; grade again when less else runs")
             if outcome.limit:
                 return
+
+
+def _have_worked(process, partners, seconds):
+    return _worked(process.pid) > seconds or any(_worked(pid, 0) > _PATIENCE * seconds for pid in partners)
 
 
 def _ask_where(process, kept, is_enclosed):
