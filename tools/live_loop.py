@@ -192,11 +192,18 @@ class Loop:
                   compared=comparison.partition(": the picture ")[2].partition(";")[0])
 
     def explain(self, pixel):
-        """Returns the explanations of a pixel by the student's unit and by the kit's."""
+        """Returns the explanations of a pixel by the student's unit and by the kit's, or why a picture has
+        none. Few debug views explain pixels; most show the scene, which is explained without them."""
         options = self._options
         if "--debug" in options:
+            texts = self._explain(options, pixel)
+            if "there is no pixel to explain" in texts[0]:
+                return [texts[0]]
             at = options.index("--debug")
             options = options[:at] + options[at + 2 :]
+        return self._explain(options, pixel)
+
+    def _explain(self, options, pixel):
         runs = [subprocess.Popen(limited([driver, *options, "--pixel", pixel, "--quiet", "--out",
                                           os.path.join(self.out, f"pixel{at}")], _PATIENCE),
                                  stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)

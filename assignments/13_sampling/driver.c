@@ -71,8 +71,13 @@ void set_samples(rk_driver *driver, rk_sampler_kind kind, uint32_t samples)
 
 static bool choose(rk_driver *driver, rk_error *error)
 {
-    (void)error;
     choices *c = driver->choices;
+    const bool is_scene = !driver->debug || rk_driver_debug(driver, "error");
+    if (!is_scene && driver->pixel.given)
+        return rk_fail(error,
+                       "--debug %s shows no scene, so there is no pixel to explain: leave it or "
+                       "--pixel out",
+                       driver->debug);
     c->samples = driver->render.samples;
     set_samples(driver, c->kind, c->samples);
     return true;
