@@ -299,6 +299,8 @@ def hints_come_one_at_a_time():
               named ^ seen)
         check(set(hint.hints_of(text)) <= rows, f"the hints of {feature.stem} are for its steps",
               set(hint.hints_of(text)) - rows)
+        unhelped = {str(test.step) for test in read_points(feature) if test.step} - set(hint.hints_of(text))
+        check(not unhelped, f"each step of {feature.stem} with a claim has a hint", unhelped)
 
 
 # --- A pack ---------------------------------------------------------------------------------------
