@@ -252,7 +252,7 @@ def _run(toolchain, suite, name, limit, megabytes, decoy=False):
     if _is_apart(suite, name):
         return judged.run(toolchain, suite.feature.stem, name, suite.unit_program, secret, **options)
     return sandbox.run(["test_" + suite.feature.stem, "--only", name], program=suite.program, secret=secret,
-                       partners=() if toolchain.judges else None, **options)
+                       **options)
 
 
 def _is_apart(suite, name):

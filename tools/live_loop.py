@@ -124,13 +124,14 @@ class Loop:
                       "passed": "", "next": "", "read": "", "task": {},
                       "kit": bool(self.kit), "scale": 1 if self.kit else _SIDE / SIDE,
                       "looks": [[look.step, look.caption] for look in read_looks(feature)]}
-        self._look_at(choose_look(feature, step) if step else read_looks(feature)[0])
+        self._look_at(choose_look(feature, step) if step else read_looks(feature)[0], task=step or 1)
 
-    def _look_at(self, look, passed=""):
-        """Shows another step's picture from now on; `passed` tells why the one before is left."""
+    def _look_at(self, look, passed="", task=None):
+        """Shows another step's picture from now on; `passed` tells why the one before is left. `task`: the
+        step to work on, if that has no picture of its own."""
         self.files = {} if self.kit else {"wanted": look.picture}
         self._options, self._small = small(look.options, _SIDE), small(look.options)
-        self._tell_task(look.step)
+        self._tell_task(int(task or look.step))
         self.tell(step=look.step, caption=look.caption, command=f"{driver_of(self._feature)} {look.options}",
                   same=False,
                   compared="", says="", drawn=False, passed=passed)
@@ -150,7 +151,7 @@ class Loop:
         before, is_right = self.known["step"], self.known["same"]
         held = int(step) - 1 if step else looks[-1].step
         picture = f", and the picture of step {before} is the wanted one" if is_right else ""
-        self._look_at(look, f"all claims up to step {held} hold{picture}" if look.step > before else "")
+        self._look_at(look, f"all claims up to step {held} hold{picture}" if look.step > before else "", step)
         return True
 
     def page_of_book(self, address):
