@@ -7,6 +7,7 @@
 #include "io/mesh_helper/mesh_guard.h"
 #include "io/mesh_helper/mesh_ply_names.h"
 #include "io/mesh_helper/mesh_unread.h"
+#include "io/mesh_helper/mesh_x3d_groups.h"
 #include "io/mesh_helper/text_encoding.h"
 #include "io/stand_in.h"
 
@@ -160,6 +161,9 @@ static bool parse_bytes(const char *path, const char *text, size_t size, rk_mesh
          !rk_mesh_ply_names_mend(text, size, &mended, &mended_size)) ||
         (is_gltf && !rk_mesh_gltf_sets_mend(text, size, &mended, &mended_size)))
         return rk_fail(error, "%s: no memory for its text: simplify the mesh", path);
+    if (rk_mesh_files_has_ending(path, "x3d") &&
+        !rk_mesh_x3d_groups_mend(path, text, size, &mended, &mended_size, error))
+        return false;
     if (mended)
         return parse_changed(path, mended, mended_size, hints, error);
     if (rk_mesh_files_has_ending(path, "ply"))

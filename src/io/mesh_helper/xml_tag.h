@@ -25,21 +25,24 @@ static inline bool xml_is_tag(xml_span tag, const char *name)
             tag.from[length + 1] == '>');
 }
 
-/* The next tag, up to its last bracket, or comment, whose signs mean nothing. False at the end. */
+/* The next tag, up to its last bracket, or comment or CDATA section, whose signs mean nothing.
+ * False at the end. */
 static inline bool xml_next_tag(const char **at, const char *end, xml_span *tag)
 {
-    static const char comment[] = "<!--";
+    static const char comment[] = "<!--", section[] = "<![CDATA[";
     tag->from = memchr(*at, '<', (size_t)(end - *at));
     if (!tag->from)
         return false;
     const bool is_comment = end - tag->from > 4 && memcmp(tag->from, comment, 4) == 0;
+    const bool is_section = end - tag->from > 9 && memcmp(tag->from, section, 9) == 0;
+    const char *const close = is_comment ? "--" : is_section ? "]]" : NULL;
     char quote = '\0';
     for (const char *c = tag->from; c < end; c++) {
-        if (is_comment ? *c == '>' && memcmp(c - 2, "--", 2) == 0 : *c == '>' && !quote) {
+        if (close ? *c == '>' && memcmp(c - 2, close, 2) == 0 : *c == '>' && !quote) {
             *at = tag->to = c + 1;
             return true;
         }
-        if (!is_comment && (quote ? *c == quote : *c == '"' || *c == '\''))
+        if (!close && (quote ? *c == quote : *c == '"' || *c == '\''))
             quote = quote ? '\0' : *c;
     }
     return false;
