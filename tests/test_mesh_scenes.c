@@ -322,6 +322,41 @@ static void a_small_file_may_show_a_part_many_times(void **state)
 #endif
 }
 
+/* --- AC3D ----------------------------------------------------------------------------------- */
+
+#define AC3D_MATERIAL(name, rgb)                                                                   \
+    "MATERIAL \"" name "\" rgb " rgb " amb 1 1 1 emis 0 0 0 spec 0 0 0 shi 1 trans 0\n"
+#define AC3D_SURFACE(number) "SURF 0x10\nmat " number "\nrefs 3\n0 0 0\n1 1 0\n2 0 1\n"
+
+static test_path write_ac3d(const char *materials, const char *surfaces)
+{
+    char text[1000];
+    snprintf(text, sizeof text,
+             "AC3Db\n%sOBJECT world\nkids 1\nOBJECT poly\nname \"t\"\nnumvert 3\n0 0 0\n1 0 0\n"
+             "0 1 0\nnumsurf 2\n%skids 0\n",
+             materials, surfaces);
+    return write_text("materials.ac", text);
+}
+
+static void a_material_of_ac3d_beyond_the_last_is_the_first(void **state)
+{
+    (void)state;
+    rk_mesh mesh = load_with_note(
+        write_ac3d(AC3D_MATERIAL("mat 9", "1 0 0"), AC3D_SURFACE("0") AC3D_SURFACE("1")),
+        ": 1 of its surfaces name a material beyond its 1: they are "
+        "drawn in the first one");
+    rk_check_equal(mesh.triangle_count, 2, "both");
+    check_point(mesh.materials[mesh.triangle_materials[1]].kd, 1, 0, 0);
+    rk_mesh_free(&mesh);
+    mesh = load_with_note(write_ac3d("", AC3D_SURFACE("0") AC3D_SURFACE("44")), "beyond its 0");
+    rk_check_equal(mesh.triangle_count, 2, "both");
+    rk_mesh_free(&mesh);
+    mesh = load(write_ac3d(AC3D_MATERIAL("a", "1 0 0") AC3D_MATERIAL("b", "0 1 0"),
+                           AC3D_SURFACE("0") AC3D_SURFACE("1")));
+    check_point(mesh.materials[mesh.triangle_materials[1]].kd, 0, 1, 0);
+    rk_mesh_free(&mesh);
+}
+
 /* --- X3D ------------------------------------------------------------------------------------ */
 
 #define X3D(nodes) "<X3D><head><!-- <Text/> --></head><Scene>" nodes "</Scene></X3D>"
@@ -701,6 +736,7 @@ static void a_gltf_of_version_1_is_read_or_told_to_be_one(void **state)
 
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_mesh_of_an_fbx_in_different_materials_is_told),
+    cmocka_unit_test(a_material_of_ac3d_beyond_the_last_is_the_first),
     cmocka_unit_test(nodes_of_an_x3d_that_are_not_drawn_are_told),
     cmocka_unit_test(a_group_of_an_x3d_may_be_used_again),
     cmocka_unit_test(a_group_of_an_x3d_may_be_empty),

@@ -176,6 +176,9 @@ static bool parse_bytes(const char *path, const char *text, size_t size, rk_mesh
         return rk_mesh_syntax_3mf(path, text, size, hints, error);
     if (rk_mesh_files_has_ending(path, "amf"))
         return rk_mesh_syntax_amf(path, text, size, hints, error);
+    if (rk_mesh_files_has_ending(path, "ac") || rk_mesh_files_has_ending(path, "acc") ||
+        rk_mesh_files_has_ending(path, "ac3d"))
+        return rk_mesh_syntax_ac(path, text, size, hints, error);
     if (rk_mesh_files_has_ending(path, "x3d"))
         return rk_mesh_syntax_x3d(path, text, size, hints, error);
     if (rk_mesh_files_has_ending(path, "fbx"))

@@ -66,6 +66,8 @@ bool rk_mesh_syntax_3mf(const char *path, const char *text, size_t size, rk_mesh
                         rk_error *error);
 bool rk_mesh_syntax_amf(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
                         rk_error *error);
+bool rk_mesh_syntax_ac(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
+                       rk_error *error);
 bool rk_mesh_syntax_x3d(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
                         rk_error *error);
 bool rk_mesh_syntax_dae(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
