@@ -529,6 +529,29 @@ static void the_first_word_of_an_off_may_be_missing(void **state)
     }
 }
 
+/* Assimp takes a comment's line for a row. */
+static void comments_of_an_off_may_be_anywhere(void **state)
+{
+    (void)state;
+    static const char *const texts[] = {
+        "# a\nOFF\n# b\n\n4 2 5 # c\n# d\n0 0 0 # e\n\t# f\n1 0 0\n  # 7 8 9\n1 1 0\n\n0 1 0\n"
+        "# g\n3 0 1 2 # h\n# 3 0 0 0\n3 0 2 3\n# i\n",
+        "OFF\n4 2 5\n0 0 0 1 0 0\n# two lines of two\n1 1 0 0 1 0\n3 0 1 2\n3 # a face\n0 2 3\n",
+    };
+    for (int i = 0; i < 2; i++) {
+        rk_mesh mesh = load(write_text("comments.off", texts[i]));
+        rk_check_equal(mesh.triangle_count, 2, texts[i]);
+        check_point(corner(&mesh, 0, 1), 1, 0, 0);
+        check_point(corner(&mesh, 1, 2), 0, 1, 0);
+        rk_mesh_free(&mesh);
+    }
+    rk_mesh mesh = load(write_text("colours.off", "COFF\n3 1 0\n0 0 0 255 0 0\n# next\n"
+                                                  "1 0 0 255 0 0\n0 1 0 255 0 0\n# last\n"
+                                                  "3 0 1 2\n"));
+    check_point(mesh.colours[mesh.triangles[0][1]], 1, 0, 0);
+    rk_mesh_free(&mesh);
+}
+
 static void transparent_faces_of_an_off_are_told(void **state)
 {
     (void)state;
@@ -1351,6 +1374,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(an_off_that_is_not_shown_as_it_is_says_so),
     cmocka_unit_test(rows_of_an_off_may_go_over_several_lines),
     cmocka_unit_test(the_first_word_of_an_off_may_be_missing),
+    cmocka_unit_test(comments_of_an_off_may_be_anywhere),
     cmocka_unit_test(transparent_faces_of_an_off_are_told),
     cmocka_unit_test(an_stl_may_be_in_capitals),
     cmocka_unit_test(colours_of_an_stl_are_in_its_programs_order),

@@ -30,6 +30,7 @@ typedef struct off_parser {
     bool no_word;      /* or in small letters */
     bool no_edges;     /* the third count is missing */
     bool has_unfinite; /* coordinates */
+    bool has_comments; /* which Assimp takes for rows */
     bool is_loose;     /* lines end anywhere within a face, or a vertex without attributes */
     float top;         /* the largest number of a face's colour */
     float alpha;       /* the smallest opacity of a face */
@@ -339,14 +340,14 @@ static bool write_corrected(const off_parser *s, text_cursor vertices, rk_error 
     if (!rewrite.out)
         return rk_fail(error, "%s: no memory for its text: simplify the mesh", s->path);
     fprintf(rewrite.out, "OFF\n%lld %lld 0\n", s->vertices, s->faces);
-    if (s->is_loose)
+    const bool by_rows = s->is_loose || s->has_comments;
+    if (by_rows)
         write_lines(rewrite.out, s, vertices);
-    for (long long row = 0; !s->is_loose && row < s->vertices && text_next_content(&vertices);
-         row++) {
+    for (long long row = 0; !by_rows && row < s->vertices && text_next_content(&vertices); row++) {
         rewrite_point(&rewrite, &vertices, extent_origin(&s->extent));
         text_next_line(&vertices);
     }
-    if (!s->is_loose)
+    if (!by_rows)
         rewrite_skip(&rewrite, vertices.end, vertices.end);
     return fclose(rewrite.out) == 0 ||
            rk_fail(error, "%s: no memory for its text: simplify the mesh", s->path);
@@ -357,6 +358,7 @@ bool rk_mesh_syntax_off(const char *path, const char *text, size_t size, rk_mesh
 {
     hints->plain = true;
     off_parser s = {.path = path, .hints = hints, .alpha = INFINITY};
+    s.has_comments = memchr(text, '#', size) != NULL;
     text_cursor c = text_begin(text, size);
     if (!read_word(&s, &c, error) || !read_counts(&s, &c, error) ||
         !parse_rows_or_numbers(&s, c, error))
@@ -366,7 +368,7 @@ bool rk_mesh_syntax_off(const char *path, const char *text, size_t size, rk_mesh
     hints->vertices = (size_t)s.vertices;
     note_rows(&s);
     const bool announces = s.has_normals || s.has_colours || s.has_texcoords;
-    return !(announces || s.no_word || s.no_edges || s.is_loose || s.has_unfinite ||
-             extent_is_far(&s.extent)) ||
+    return !(announces || s.no_word || s.no_edges || s.is_loose || s.has_comments ||
+             s.has_unfinite || extent_is_far(&s.extent)) ||
            write_corrected(&s, c, error);
 }
