@@ -322,6 +322,44 @@ static void a_small_file_may_show_a_part_many_times(void **state)
 #endif
 }
 
+/* --- others --------------------------------------------------------------------------------- */
+
+static void a_b3d_that_is_not_of_blitz3d_is_refused(void **state)
+{
+    (void)state;
+    check_refused("post.b3d", "; a post\r\n[meshbuilder]\r\nVertex 0, 5, 0\r\nFace 0, 1, 2\r\n",
+                  ": is a text of train simulators (BVE, OpenBVE)", "open it in Blender");
+    check_refused("other.b3d", "ply\n", ": does not begin with BB3D", "rename it");
+}
+
+static void collada_before_1_4_is_refused(void **state)
+{
+    (void)state;
+    check_refused("old.dae",
+                  "<?xml version='1.0'?><COLLADA version='1.3.1'><library type='IMAGE'/></COLLADA>",
+                  ": is Collada 1.3.1, of which Assimp reads 1.4 and 1.5", "or as OBJ");
+}
+
+#define LFS_POINTER                                                                                \
+    "version https://git-lfs.github.com/spec/v1\noid sha256:133e7893875b9be4\nsize 2304564\n"
+
+static void a_file_beside_the_mesh_that_git_lfs_has_not_fetched_is_named(void **state)
+{
+    (void)state;
+    write_text("pointer.bin", LFS_POINTER);
+    check_refused("pointer.gltf",
+                  "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"uri\":\"pointer.bin\","
+                  "\"byteLength\":36}]}",
+                  ": needs the file pointer.bin, which is a Git LFS pointer", "run git lfs pull");
+    write_text("pointer.mtl", LFS_POINTER);
+    rk_mesh mesh =
+        load_with_note(write_text("pointer.obj", "mtllib pointer.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n"
+                                                 "usemtl a\nf 1 2 3\n"),
+                       "the material file pointer.mtl is a Git LFS pointer, not the "
+                       "file: run git lfs pull");
+    rk_mesh_free(&mesh);
+}
+
 /* --- AC3D ----------------------------------------------------------------------------------- */
 
 #define AC3D_MATERIAL(name, rgb)                                                                   \
@@ -736,6 +774,9 @@ static void a_gltf_of_version_1_is_read_or_told_to_be_one(void **state)
 
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_mesh_of_an_fbx_in_different_materials_is_told),
+    cmocka_unit_test(a_b3d_that_is_not_of_blitz3d_is_refused),
+    cmocka_unit_test(collada_before_1_4_is_refused),
+    cmocka_unit_test(a_file_beside_the_mesh_that_git_lfs_has_not_fetched_is_named),
     cmocka_unit_test(a_material_of_ac3d_beyond_the_last_is_the_first),
     cmocka_unit_test(nodes_of_an_x3d_that_are_not_drawn_are_told),
     cmocka_unit_test(a_group_of_an_x3d_may_be_used_again),

@@ -1,6 +1,8 @@
 /* Each part of a path is looked for as it is written, then in its folder regardless of case. */
 #include "io/mesh_helper/mesh_files.h"
 
+#include "io/stand_in.h"
+
 #include <ctype.h>
 #include <dirent.h>
 #include <stdio.h>
@@ -93,5 +95,23 @@ bool rk_mesh_files_find(char found[RK_MESH_FILES_NAME], const char *mesh_path, c
         !(is_file(path) || (rk_mesh_files_unescape(path + before) && is_file(path))))
         return false;
     strcpy(found, path + before);
+    return true;
+}
+
+bool rk_mesh_files_is_stand_in(const char *mesh_path, const char *found, rk_error *what)
+{
+    char path[4096], first[RK_STAND_IN_MARK];
+    const char *slash = strrchr(mesh_path, '/');
+    const int before = slash && found[0] != '/' ? (int)(slash - mesh_path) + 1 : 0;
+    const int size = snprintf(path, sizeof path, "%.*s%s", before, mesh_path, found);
+    FILE *file = size > 0 && (size_t)size < sizeof path ? fopen(path, "rb") : NULL;
+    if (!file)
+        return false;
+    const size_t count = fread(first, 1, sizeof first, file);
+    fclose(file);
+    rk_error error;
+    if (rk_stand_in_check("", first, count, &error))
+        return false;
+    snprintf(what->text, sizeof what->text, "%s", error.text + 2);
     return true;
 }

@@ -19,4 +19,8 @@ bool rk_mesh_files_unescape(char *name);
 /* `ending` without its dot, in any case. */
 bool rk_mesh_files_has_ending(const char *path, const char *ending);
 
+/* Is the file, which was found so, another thing in its place? Then the error is a sentence without
+ * its subject, "is a ...". */
+bool rk_mesh_files_is_stand_in(const char *mesh_path, const char *found, rk_error *what);
+
 #endif

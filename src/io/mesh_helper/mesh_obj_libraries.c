@@ -13,8 +13,11 @@ static bool use_library(rk_mesh_obj_libraries *s, const char *name, size_t lengt
     if (!rk_mesh_files_find(found, s->path, "", name, length))
         return false;
     rk_mesh_hints *h = s->hints;
+    rk_error what;
     const char *slash = strrchr(found, '/');
     if (!s->rewrite) {
+        if (!s->stand_in[0] && rk_mesh_files_is_stand_in(s->path, found, &what))
+            snprintf(s->stand_in, sizeof s->stand_in, "%.400s %.100s", found, what.text);
         s->renames |= strlen(found) != length || memcmp(found, name, length) != 0;
         h->plain = false;
         if (slash && h->folder_count < RK_MESH_HINTS_FOLDERS)
@@ -109,6 +112,8 @@ bool rk_mesh_obj_libraries_means_none(const char *material)
 void rk_mesh_obj_libraries_note(const rk_mesh_obj_libraries *s, bool coloured)
 {
     const bool plain = s->hints->plain;
+    if (s->stand_in[0])
+        rk_mesh_hints_note(s->hints, s->path, "the material file %s", s->stand_in);
     if (s->lost[0])
         rk_fail(&s->hints->note, "%s:%zu: the material file %.500s is missing: %s", s->path,
                 s->lost_line, s->lost,

@@ -12,6 +12,7 @@ typedef struct rk_mesh_obj_libraries {
     bool renames;          /* one has another name than the file says */
     char lost[512];        /* those of the first line of which some are missing, or "" */
     size_t lost_line;
+    char stand_in[512];  /* the first that is none, and what it is; or "" */
     bool any;            /* some line names one */
     char material[64];   /* the first that is used, or "" */
     bool begins_without; /* faces precede it */

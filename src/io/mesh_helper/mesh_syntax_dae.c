@@ -24,6 +24,7 @@ typedef struct dae_parser {
     uint32_t sets; /* bit by bit, those that meshes have */
     dae_binding bindings[most_bindings];
     int binding_count;
+    xml_span version;      /* of the format */
     bool is_torn;          /* a channel is bound to different sets */
     bool is_other_profile; /* inside an effect for other programs */
     bool has_other_pictures, has_nameless;
@@ -78,14 +79,23 @@ static void see_profile(dae_parser *s, xml_span tag)
     s->has_other_pictures |= s->is_other_profile && xml_is_tag(tag, "init_from");
 }
 
-/* False with an error if a face has an index below 0. */
+/* False with an error if a face has an index below 0, or for a <library>, of which later versions
+ * make one element a kind. */
 static bool see_tag(dae_parser *s, xml_span tag, const char *end, rk_error *error)
 {
+    xml_span version;
     if (is_bound_input(tag))
         s->sets |= 1u << set_of(tag, "set");
     if (xml_is_tag(tag, "bind_vertex_input"))
         see_binding(s, tag);
     see_profile(s, tag);
+    if (xml_is_tag(tag, "COLLADA") && xml_find_attribute(tag, "version", &version))
+        s->version = version;
+    if (xml_is_tag(tag, "library") && xml_number(s->version) < 1.4)
+        return rk_fail(error,
+                       "%s: is Collada %.*s, of which Assimp reads 1.4 and 1.5: export it as one "
+                       "of these, or as OBJ",
+                       s->path, (int)(s->version.to - s->version.from), s->version.from);
     if (!xml_is_tag(tag, "p"))
         return true;
     const char *close = memchr(tag.to, '<', (size_t)(end - tag.to));
@@ -164,7 +174,8 @@ bool rk_mesh_syntax_dae(const char *path, const char *text, size_t size, rk_mesh
                         rk_error *error)
 {
     const char *at = text, *const end = text + size;
-    dae_parser s = {.path = path, .hints = hints};
+    static const char oldest[] = "1.3";
+    dae_parser s = {.path = path, .hints = hints, .version = {oldest, oldest + 3}};
     hints->up = rk_mesh_up_of_collada(text, size);
     for (xml_span tag; xml_next_tag(&at, end, &tag);)
         if (!see_tag(&s, tag, end, error))

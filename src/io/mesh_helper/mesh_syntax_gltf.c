@@ -149,25 +149,34 @@ static bool is_version_1(json_cursor c)
            asset.end - asset.at > 2 && asset.at[0] == '"' && asset.at[1] < '2';
 }
 
-static void find_missing(const char *path, json_cursor c, rk_mesh_hints *hints)
+/* False with an error if one is a stand-in. */
+static bool find_missing(const char *path, json_cursor c, rk_mesh_hints *hints, rk_error *error)
 {
     char found[RK_MESH_FILES_NAME];
     json_string key;
     if (!json_find_key(&c, "buffers") || !(json_enter(&c, '[') || json_enter(&c, '{')))
-        return;
+        return true;
     for (; json_next(&c); json_skip(&c)) {
         if (*c.at == '"' && !json_next_key(&c, &key)) /* in version 1.0 */
-            return;
+            return true;
         json_cursor uri = c;
         if (!json_find_key(&uri, "uri") || *uri.at != '"')
             continue;
         const json_string name = json_read_string(&uri);
-        if ((name.length > 5 && memcmp(name.begin, "data:", 5) == 0) ||
-            rk_mesh_files_find(found, path, "", name.begin, name.length))
+        if (name.length > 5 && memcmp(name.begin, "data:", 5) == 0)
             continue;
+        if (rk_mesh_files_find(found, path, "", name.begin, name.length)) {
+            rk_error what;
+            const char *what_and_remedy = what.text;
+            if (rk_mesh_files_is_stand_in(path, found, &what))
+                return rk_fail(error, "%s: needs the file %s, which %s", path, found,
+                               what_and_remedy);
+            continue;
+        }
         snprintf(hints->missing, sizeof hints->missing, "%.*s", (int)name.length, name.begin);
-        return;
+        return true;
     }
+    return true;
 }
 
 bool rk_mesh_syntax_gltf_part(const char *path, json_cursor part, json_cursor file,
@@ -177,7 +186,8 @@ bool rk_mesh_syntax_gltf_part(const char *path, json_cursor part, json_cursor fi
         !rk_mesh_gltf_parts_read(hints, path, part, file, error))
         return false;
     hints->is_gltf_1 = is_version_1(part);
-    find_missing(path, part, hints);
+    if (!find_missing(path, part, hints, error))
+        return false;
     note_used(path, part, hints);
     note_node_weights(path, part, hints);
     return true;

@@ -73,11 +73,31 @@ static bool check_vrml(const char *path, const char *text, size_t size, rk_error
     return true;
 }
 
+/* Blitz3D's begin with their mark; BVE's have sections. */
+static bool check_b3d(const char *path, const char *text, size_t size, rk_error *error)
+{
+    static const char section[] = "[MeshBuilder]";
+    if (begins_with(text, size, "BB3D"))
+        return true;
+    for (size_t i = 0; i + sizeof section <= size && i < 1 << 16; i++)
+        if (strncasecmp(text + i, section, sizeof section - 1) == 0)
+            return rk_fail(error,
+                           "%s: is a text of train simulators (BVE, OpenBVE), which is not read: "
+                           "open it in Blender by an add-on, and export it as glTF",
+                           path);
+    return rk_fail(error,
+                   "%s: does not begin with BB3D, as Blitz3D's files do: rename it with the ending "
+                   "of its format, or export it again",
+                   path);
+}
+
 bool rk_mesh_unread_check(const char *path, const char *text, size_t size, rk_error *error)
 {
     const char *dot = strrchr(path, '.');
     const bool is_vrml = dot && (strcasecmp(dot, ".wrl") == 0 || strcasecmp(dot, ".wrz") == 0);
     if (is_vrml && !check_vrml(path, text, size, error))
+        return false;
+    if (dot && strcasecmp(dot, ".b3d") == 0 && !check_b3d(path, text, size, error))
         return false;
     for (size_t i = 0; dot && i < sizeof formats / sizeof *formats; i++)
         if (strcasecmp(dot + 1, formats[i].ending) == 0) {
