@@ -700,6 +700,35 @@ static void an_alpha_channel_or_map_d_is_the_opacity(void **state)
     rk_mesh_free(&mesh);
 }
 
+/* FORM LWO2: a triangle whose colour is half.png. Its alpha lets the surface's colour show, and
+ * cuts nothing out. */
+static const char lwo_file[] =
+    "FORM\000\000\001\036LWO2"
+    "TAGS\000\000\000\002a\000"
+    "LAYR\000\000\000\022\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000"
+    "\000\000"
+    "PNTS\000\000\000$\000\000\000\000\000\000\000\000\000\000\000\000?\200\000\000\000"
+    "\000\000\000\000\000\000\000\000\000\000\000?\200\000\000\000\000\000\000"
+    "VMAP\000\000\000(TXUV\000\002uv\000\000\000\000\000\000\000\000\000\000\000\000\000"
+    "\001?\200\000\000\000\000\000\000\000\002\000\000\000\000?\200\000\000"
+    "POLS\000\000\000\014FACE\000\003\000\000\000\001\000\002"
+    "PTAG\000\000\000\010SURF\000\000\000\000"
+    "CLIP\000\000\000\024\000\000\000\001STIL\000\012half.png\000\000"
+    "SURF\000\000\000Ra\000\000\000COLR\000\016?\200\000\000?\200\000\000?\200\000\000"
+    "\000\000BLOK\0004IMAP\000\024\200\000CHAN\000\004COLRENAB\000\002\000\001PROJ\000"
+    "\002\000\005IMAG\000\002\000\001VMAP\000\004uv\000\000";
+
+static void the_alpha_of_a_lightwave_picture_cuts_nothing_out(void **state)
+{
+    (void)state;
+    write_picture("half.png", half_png, sizeof half_png);
+    rk_mesh mesh =
+        load(test_folder_write(&folder, "half.lwo", lwo_file, sizeof lwo_file - 1, 0600));
+    const rk_material *a = &mesh.materials[mesh.triangle_materials[0]];
+    rk_check(a->kd_texture && !a->alpha_texture, "its colour alone");
+    rk_mesh_free(&mesh);
+}
+
 /* Green beside magenta, which is transparent if the file has the control block. */
 static void the_transparent_colour_of_a_gif_is_its_opacity(void **state)
 {
@@ -1487,6 +1516,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_part_without_texture_coordinates_shows_its_colour_alone),
     cmocka_unit_test(more_pictures_than_1024_are_a_note),
     cmocka_unit_test(an_alpha_channel_or_map_d_is_the_opacity),
+    cmocka_unit_test(the_alpha_of_a_lightwave_picture_cuts_nothing_out),
     cmocka_unit_test(the_transparent_colour_of_a_gif_is_its_opacity),
     cmocka_unit_test(a_picture_that_is_faint_all_over_is_not_cut_out),
     cmocka_unit_test(gltf_says_by_its_mode_whether_alpha_cuts_out),

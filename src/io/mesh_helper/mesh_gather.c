@@ -276,7 +276,7 @@ static void set_material(rk_mesh_emit_state *g, rk_mesh *mesh, rk_mesh_textures 
     const struct aiMaterial *source = g->scene->mMaterials[g->material_sources[i] / variants];
     const uint32_t variant = g->material_sources[i] % variants;
     if (!(variant & WITHOUT_TEXTURE) && g->models == 0)
-        rk_mesh_textures_find(textures, i, g->scene, source);
+        rk_mesh_textures_find(textures, i, g->scene, source, g->path);
     bool varies = textures->of_material[i] != 0 || variant & COLOURED;
     if (!g->plain)
         mesh->materials[i] = rk_mesh_material(source, varies, g->models > 0);

@@ -2,6 +2,7 @@
  * it. */
 #include "io/mesh_helper/mesh_texture.h"
 
+#include "io/mesh_helper/mesh_files.h"
 #include "io/mesh_helper/mesh_syntax.h"
 #include "io/mesh_stream.h"
 
@@ -142,21 +143,24 @@ static uint32_t add_entry(rk_mesh_textures *textures, const struct aiScene *scen
     return i + 1;
 }
 
-/* The default of glTF is OPAQUE, which ignores the alpha channel; others have no such word. */
-static bool uses_alpha(const struct aiMaterial *material)
+/* The default of glTF is OPAQUE, which ignores the alpha channel; others have no such word. In
+ * LightWave it lets the surface's colour show, and holes have a picture of their own. */
+static bool uses_alpha(const struct aiMaterial *material, const char *path)
 {
     struct aiString mode;
+    if (rk_mesh_files_has_ending(path, "lwo") || rk_mesh_files_has_ending(path, "lws"))
+        return false;
     return aiGetMaterialString(material, AI_MATKEY_GLTF_ALPHAMODE, &mode) != aiReturn_SUCCESS ||
            strcmp(mode.data, "OPAQUE") != 0;
 }
 
 void rk_mesh_textures_find(rk_mesh_textures *textures, uint32_t number, const struct aiScene *scene,
-                           const struct aiMaterial *material)
+                           const struct aiMaterial *material, const char *path)
 {
     named_picture picture;
     if (find_picture(material, &picture))
         textures->of_material[number] = add_entry(textures, scene, &picture);
-    if (uses_alpha(material))
+    if (uses_alpha(material, path))
         textures->alpha_of_material[number] = textures->of_material[number];
     if (find_typed(material, aiTextureType_OPACITY, &picture))
         textures->alpha_of_material[number] = add_entry(textures, scene, &picture);

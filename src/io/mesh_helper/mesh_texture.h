@@ -31,9 +31,10 @@ void rk_mesh_textures_free(rk_mesh_textures *textures);
 
 /* Sets the textures of our material `number` to those that the scene's material names: its colour
  * is map_Kd in MTL, the base colour in glTF; its opacity is map_d in MTL, or else the alpha channel
- * of its colour, which glTF may forbid. Materials that name the same picture share one entry. */
+ * of its colour, which glTF may forbid, and LightWave does. Materials that name the same picture
+ * share one entry. */
 void rk_mesh_textures_find(rk_mesh_textures *textures, uint32_t number, const struct aiScene *scene,
-                           const struct aiMaterial *material);
+                           const struct aiMaterial *material, const char *path);
 
 /* From a file's texture coordinates to those of its picture: u' = m[0][0] u + m[0][1] v + m[0][2],
  * and v' by m[1]. */
