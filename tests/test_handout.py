@@ -336,11 +336,12 @@ def the_book_is_handed_out(pack):
     path = re.search(rf"{re.escape(SOURCE)}|\.handout-", text + answers)
     check(not path, "no path of this machine is in it",
           path and (text + answers)[max(0, path.start() - 80):path.end() + 80])
-    its_live_figures_stand_still(page)
+    its_live_figures_stand_still(page, "impl/assignments")
 
 
-def its_live_figures_stand_still(page):
-    """The module that would draw them anew holds the solutions."""
+def its_live_figures_stand_still(page, drivers):
+    """The module that would draw them anew holds the solutions. A book that was woven in the pack names
+    drivers that it has built, the handed-out one those that make driver-STEM builds."""
     pages, text = os.path.dirname(page), read(page)
     tags = re.findall(r'<div class="live"[^>]*>\s*<img[^>]*>', text)
     figures = [{name: html.unescape(value) for name, value in re.findall(r'([\w-]+)="([^"]*)"', tag)}
@@ -351,7 +352,7 @@ def its_live_figures_stand_still(page):
              for figure in figures]
     check(wanted and found == wanted, "each live figure has its options", [wanted, found])
     programs = {figure["data-program"] for figure in figures}
-    check(programs == {f"impl/assignments/{FEATURE.folder}/{STEM}"}, "it names the reader's own program",
+    check(programs == {f"{drivers}/{FEATURE.folder}/{STEM}"}, "it names the reader's own program",
           programs)
     pictures = [os.path.join(pages, figure["src"]) for figure in figures]
     check(pictures and all(map(os.path.isfile, pictures)), "its picture is there", pictures)
@@ -491,7 +492,7 @@ def the_students_code_is_in_the_book(pack):
     check("rk_box_merge" in code and "Your code." in read(page), "the student's functions are in it", code)
     check("Yours to write" not in code and "Left open here" in read(page) and "Not made:" not in read(page),
           "what is not asked for yet is left open, and all figures are there")
-    its_live_figures_stand_still(os.path.join(pack, "docs", "out.some", "book", "index.html"))
+    its_live_figures_stand_still(os.path.join(pack, "docs", "out.some", "book", "index.html"), "assignments")
     run(pack, "sed", "-i", "s/box_of/my_box_of/g; $ a int broken = ;", f"workbook/{STEM}.c")
     status, said = run(pack, make, "-s", "book", f"ONLY={STEM}", "CHROMIUM=")
     check(status == 0 and "does not define it" in read(page),
