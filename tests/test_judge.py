@@ -268,6 +268,12 @@ def what_one_call_leaves_another_does_not_find(grader):
                          DECLARED + "#include <unistd.h>\n" + by_address("optarg"))
     check(hidden[claim][0] and "leaks memory" in hidden["all_memory_is_freed"][1],
           "memory that only the C library's data point to is not freed", str(hidden))
+    left = verdicts_of("if (!*optarg) {\n        *optarg = malloc(16);\n"
+                       "        __cxa_atexit((void (*)(void *))_exit, 0, 0);\n    }",
+                       DECLARED + "#include <unistd.h>\nint __cxa_atexit(void (*)(void *), void *, void *);\n"
+                       + by_address("optarg", "__cxa_atexit", "_exit"))
+    check("leaks memory" in left["all_memory_is_freed"][1], "also where a handler of exit() would end first",
+          str(left))
     printed = verdicts_of('printf("%g\\n", (double)n.x);\n    fprintf(stderr, "%g\\n", (double)n.y);',
                           "#include <stdio.h>\n")
     check(printed["all_memory_is_freed"][0], "but what the C library prints from is no leak", str(printed))
@@ -288,8 +294,8 @@ def it_ends_with_its_grader():
     """Though nobody has answered it."""
     asked, answered = judged._shared_memory("requests"), judged._shared_memory("answers")
     alive, held = os.pipe()
-    begin = ("RAYKIT_JUDGE=%d,%d,%d,$$ impl/judge/normals-judge --only each_axis_has_a_colour_of_its_own & "
-             "echo $!; read line" % (asked, answered, alive))
+    begin = ("RAYKIT_JUDGE=%d,%d,%d,$$ impl/judge/normals-judge --only each_axis_has_a_colour_of_its_own "
+             ">/dev/null & echo $!; read line" % (asked, answered, alive))
     grader = subprocess.Popen(["/bin/sh", "-c", begin], stdin=subprocess.PIPE,
                               stdout=subprocess.PIPE, pass_fds=(asked, answered, alive))
     pid = int(grader.stdout.readline())
