@@ -1,4 +1,4 @@
-/* What stands where a file should be: a text of three lines, if Git LFS has not fetched it yet, or
+/* Stand-ins for a file: a text of three lines, if Git LFS has not fetched it yet, or
  * the web page about it; not installed. Format: Git LFS specification, "The Pointer". */
 #ifndef RK_IO_STAND_IN_H
 #define RK_IO_STAND_IN_H

@@ -115,7 +115,7 @@ static void end_speculation(void)
 
 static void begin_prediction(const rk_judge_request *head)
 {
-    if (rk_judge_lap_is_full(2 * RK_JUDGE_HELD_MAX + RK_JUDGE_KEPT_SLOTS)) {
+    if (rk_judge_lap_is_full(BATCH_MAX)) { /* also enough for a speculation */
         rk_judge_publish_end_of_lap();
         rk_judge_begin_lap();
     }
