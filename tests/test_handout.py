@@ -594,6 +594,13 @@ def a_class_is_graded(folder):
               f"{report['score']} points, status {status}\n{said}\n" + "\n".join(outputs))
 
 
+def it_builds_what_the_book_needs():
+    make = os.environ.get("MAKE", "make")
+    for name in ("tests/bench/bench", "tools/pair/pair"):
+        _, said = run(".", make, "-n", "-W", os.path.join(SOURCE, name + ".c"), "handout")
+        check(f"{name}.o" in said, f"a pack's book has {name} made first", said[-2000:])
+
+
 def main():
     folder = tempfile.mkdtemp(prefix="raykit-test-handout-")
     try:
@@ -602,6 +609,7 @@ def main():
         for place in places.values():
             os.mkdir(place)
         mistakes_are_refused(places["refused"])
+        it_builds_what_the_book_needs()
         handouts_share_sections(places["shared"])
         what_is_stopped_leaves_nothing_behind(places["stopped"])
         what_comes_later()
