@@ -1,6 +1,7 @@
 /* Pictures of BMP and TGA, byte by byte: where their colours are, and whether the rest is alpha. */
 #include "test.h"
 
+#include "byte_list.h"
 #include "test_folder.h"
 
 #include "io/image_file.h"
@@ -12,23 +13,6 @@ static int end_reader(void **state)
     (void)state;
     rk_image_file_reader_end(&reader);
     return 0;
-}
-
-typedef struct byte_list {
-    unsigned char bytes[1000];
-    size_t size;
-} byte_list;
-
-static void append(byte_list *list, const void *bytes, size_t size)
-{
-    memcpy(list->bytes + list->size, bytes, size);
-    list->size += size;
-}
-
-static void put_word(unsigned char *header, int index, uint32_t word)
-{
-    for (int i = 0; i < 4; i++)
-        header[4 * index + i] = (unsigned char)(word >> 8 * i);
 }
 
 /* Red, green / blue, and 255 192 64: what the files below store. */

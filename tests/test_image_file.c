@@ -4,6 +4,7 @@
  * more, so tests share one where their claim allows. */
 #include "test.h"
 
+#include "byte_list.h"
 #include "remedy.h"
 #include "test_picture_file.h"
 
@@ -179,17 +180,6 @@ static void the_first_bytes_name_the_format(void **state)
         rk_check_close(image.pixels[0].z, 0, 0, "blue");
         rk_image_free(&image);
     }
-}
-
-typedef struct byte_list {
-    unsigned char bytes[1000];
-    size_t size;
-} byte_list;
-
-static void append(byte_list *list, const void *bytes, size_t size)
-{
-    memcpy(list->bytes + list->size, bytes, size);
-    list->size += size;
 }
 
 static void append_attribute(byte_list *list, const char *name, const char *type, const void *value,
@@ -414,12 +404,6 @@ static void an_hdr_that_is_not_read_has_its_reason(void **state)
 }
 
 /* --- broken files ---------------------------------------------------------------------------- */
-
-static void put_word(unsigned char *header, int index, uint32_t word)
-{
-    for (int i = 0; i < 4; i++)
-        header[4 * index + i] = (unsigned char)(word >> 8 * i);
-}
 
 /* A cube whose faces are of 2 x 2 pixels and of 1 x 1, of half floats ("DDS_HEADER_DXT10"). */
 static test_path write_dds(const test_folder *folder, uint32_t format, size_t lost)

@@ -3,6 +3,8 @@
 #ifndef RK_IO_IMAGE_HELPER_BMP_H
 #define RK_IO_IMAGE_HELPER_BMP_H
 
+#include "io/little_endian.h"
+
 #include <OpenImageIO/imageio.h>
 
 #include <array>
@@ -20,11 +22,6 @@ struct Bmp {
     bool from_top;
 };
 
-inline uint32_t bmp_word(const unsigned char *at)
-{
-    return uint32_t(at[0]) | uint32_t(at[1]) << 8 | uint32_t(at[2]) << 16 | uint32_t(at[3]) << 24;
-}
-
 // Of the mask moved down to bit 0.
 inline uint32_t bmp_most(uint32_t mask)
 {
@@ -38,8 +35,9 @@ inline bool bmp_open(const std::string &path, Bmp *bmp)
     unsigned char head[70] = {};
     std::ifstream file(path, std::ios::binary);
     file.read(reinterpret_cast<char *>(head), sizeof head);
-    const uint32_t size = bmp_word(head + 14), kind = bmp_word(head + 30);
-    const auto width = int32_t(bmp_word(head + 18)), height = int32_t(bmp_word(head + 22));
+    const uint32_t size = rk_little_endian_32(head + 14), kind = rk_little_endian_32(head + 30);
+    const auto width = int32_t(rk_little_endian_32(head + 18)),
+               height = int32_t(rk_little_endian_32(head + 22));
     if (file.gcount() < 54 || std::memcmp(head, "BM", 2) != 0 || size < 40 || head[28] != 32 ||
         (kind != plain && kind != three_masks && kind != four_masks) || width < 1 ||
         height == INT32_MIN)
@@ -48,12 +46,12 @@ inline bool bmp_open(const std::string &path, Bmp *bmp)
     const int masks = kind == plain ? 0 : size >= 56 || kind == four_masks ? 4 : 3;
     bool is_fine = true;
     for (int i = 0; i < masks; i++)
-        bmp->masks[size_t(i)] = bmp_word(head + 54 + 4 * i);
+        bmp->masks[size_t(i)] = rk_little_endian_32(head + 54 + 4 * i);
     for (uint32_t mask : bmp->masks)
         is_fine &= bmp_most(mask) <= 0xff;
     bmp->spec = OIIO::ImageSpec(width, std::abs(height), bmp->masks[3] ? 4 : 3,
                                 is_fine ? OIIO::TypeDesc::UINT8 : OIIO::TypeDesc::UINT16);
-    bmp->begin = bmp_word(head + 10);
+    bmp->begin = rk_little_endian_32(head + 10);
     bmp->from_top = height < 0;
     return true;
 }
@@ -73,7 +71,7 @@ inline bool bmp_read(const std::string &path, const Bmp &bmp, int first, int cou
             for (int c = first; c < first + count; c++) {
                 const uint32_t mask = bmp.masks[size_t(c)], most = bmp_most(mask);
                 const uint32_t lowest = mask & (~mask + 1);
-                const uint32_t bits = bmp_word(row.data() + 4 * x) & mask;
+                const uint32_t bits = rk_little_endian_32(row.data() + 4 * x) & mask;
                 *to++ = mask ? float(double(bits / lowest) / most) : 0;
             }
     }

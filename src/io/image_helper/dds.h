@@ -4,6 +4,8 @@
 #ifndef RK_IO_IMAGE_HELPER_DDS_H
 #define RK_IO_IMAGE_HELPER_DDS_H
 
+#include "io/little_endian.h"
+
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
@@ -23,10 +25,7 @@ struct Dds {
 
 inline uint32_t dds_word(const unsigned char *header, int index)
 {
-    uint32_t word = 0;
-    for (int i = 0; i < 4; i++)
-        word |= uint32_t(header[4 * index + i]) << 8 * i;
-    return word;
+    return rk_little_endian_32(header + 4 * index);
 }
 
 // The type of a channel by DXGI's number of a format of three or four; UNKNOWN if it is another.

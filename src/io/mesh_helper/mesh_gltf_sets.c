@@ -2,6 +2,7 @@
  * 4.4. */
 #include "io/mesh_helper/mesh_gltf_sets.h"
 
+#include "io/little_endian.h"
 #include "io/mesh_helper/json_cursor.h"
 #include "io/mesh_helper/mesh_rewrite.h"
 
@@ -54,14 +55,6 @@ static bool has_set(json_cursor text)
     return false;
 }
 
-static uint32_t word_at(const char *text)
-{
-    uint32_t word = 0;
-    for (size_t i = 0; i < 4; i++)
-        word |= (uint32_t)(unsigned char)text[i] << 8 * i;
-    return word;
-}
-
 static void set_word(char *text, uint64_t word)
 {
     for (int i = 0; i < 4; i++)
@@ -74,9 +67,10 @@ bool rk_mesh_gltf_sets_mend(const char *text, size_t size, char **changed, size_
     const bool is_glb = size > glb_header && memcmp(text, "glTF", 4) == 0;
     *changed = NULL;
     if (is_glb) {
-        if (word_at(text + 4) != 2 || word_at(text + 12) > size - glb_header)
+        if (rk_little_endian_32(text + 4) != 2 ||
+            rk_little_endian_32(text + 12) > size - glb_header)
             return true;
-        json = (json_cursor){text + glb_header, text + glb_header + word_at(text + 12)};
+        json = (json_cursor){text + glb_header, text + glb_header + rk_little_endian_32(text + 12)};
     } else if (size > 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0) {
         json.at += 3;
     }

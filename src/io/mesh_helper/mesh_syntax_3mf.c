@@ -2,6 +2,7 @@
  * reads one model, and nothing of an archive whose sizes have 64 bits. The list of the archive's
  * files is at its end. Formats: PKWARE, APPNOTE.TXT, sections 4.3.12 to 4.3.16; 3MF Consortium,
  * "Core Specification" and "Production Extension". */
+#include "io/little_endian.h"
 #include "io/mesh_helper/mesh_syntax.h"
 
 #include <stdint.h>
@@ -9,14 +10,6 @@
 #include <strings.h>
 
 enum { end_size = 22, entry_size = 46, longest_comment = 65535 };
-
-static uint32_t number_at(const char *at, int bytes)
-{
-    uint32_t number = 0;
-    for (int i = 0; i < bytes; i++)
-        number |= (uint32_t)(unsigned char)at[i] << 8 * i;
-    return number;
-}
 
 /* The record at the end of the archive, which a comment may follow; or NULL. */
 static const char *find_end(const char *text, size_t size)
@@ -29,8 +22,8 @@ static const char *find_end(const char *text, size_t size)
 
 static bool has_wide_sizes(const char *text, const char *end)
 {
-    return number_at(end + 10, 2) == 0xffff || number_at(end + 12, 4) == 0xffffffff ||
-           number_at(end + 16, 4) == 0xffffffff ||
+    return rk_little_endian_16(end + 10) == 0xffff || rk_little_endian_32(end + 12) == 0xffffffff ||
+           rk_little_endian_32(end + 16) == 0xffffffff ||
            (end - text >= 20 && memcmp(end - 20, "PK\6\7", 4) == 0);
 }
 
@@ -43,15 +36,16 @@ static bool is_model(const char *name, size_t length)
 
 static size_t count_models(const char *text, size_t size, const char *end)
 {
-    size_t models = 0, at = number_at(end + 16, 4);
-    for (uint32_t i = number_at(end + 10, 2); i > 0; i--) {
+    size_t models = 0, at = rk_little_endian_32(end + 16);
+    for (uint32_t i = rk_little_endian_16(end + 10); i > 0; i--) {
         if (at > size || size - at < entry_size || memcmp(text + at, "PK\1\2", 4) != 0)
             return models;
-        const size_t name = number_at(text + at + 28, 2);
+        const size_t name = rk_little_endian_16(text + at + 28);
         if (size - at - entry_size < name)
             return models;
         models += is_model(text + at + entry_size, name);
-        at += entry_size + name + number_at(text + at + 30, 2) + number_at(text + at + 32, 2);
+        at += entry_size + name + rk_little_endian_16(text + at + 30) +
+              rk_little_endian_16(text + at + 32);
     }
     return models;
 }

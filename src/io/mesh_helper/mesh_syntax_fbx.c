@@ -3,6 +3,7 @@
  * and connections say what belongs to what. Binary: nested records, each with where it ends, the
  * number and size of its properties, and a name. Source: Blender Foundation, "FBX binary file
  * format specification". */
+#include "io/little_endian.h"
 #include "io/mesh_helper/mesh_syntax.h"
 
 #include <stdlib.h>
@@ -104,21 +105,14 @@ typedef struct fbx_record {
     size_t name_size, properties, children, end; /* the last three are places in the file */
 } fbx_record;
 
-static uint64_t number_at(const char *text, size_t at, size_t bytes)
-{
-    uint64_t number = 0;
-    for (size_t i = 0; i < bytes; i++)
-        number |= (uint64_t)(unsigned char)text[at + i] << 8 * i;
-    return number;
-}
-
 /* False at the end of a list, or where the file is damaged. */
 static bool read_record(const char *text, size_t size, size_t at, fbx_record *record)
 {
-    const size_t word = number_at(text, 23, 4) >= 7500 ? 8 : 4, head = 3 * word + 1;
+    const size_t word = rk_little_endian_32(text + 23) >= 7500 ? 8 : 4, head = 3 * word + 1;
     if (at > size || size - at < head)
         return false;
-    const uint64_t end = number_at(text, at, word), bytes = number_at(text, at + 2 * word, word);
+    const uint64_t end = rk_little_endian(text + at, word),
+                   bytes = rk_little_endian(text + at + 2 * word, word);
     record->name = text + at + head;
     record->name_size = (unsigned char)text[at + head - 1];
     record->properties = at + head + record->name_size;
@@ -139,9 +133,10 @@ static void read_child(fbx_parser *s, const char *text, const fbx_record *r)
     const char *first = text + r->properties;
     const size_t bytes = r->children - r->properties, begin = sizeof link - 1;
     if (is_named(r, "C") && bytes >= begin + 17 && memcmp(first, link, begin) == 0)
-        add_link(s, (int64_t)number_at(first, begin, 8), (int64_t)number_at(first, begin + 9, 8));
+        add_link(s, (int64_t)rk_little_endian(first + begin, 8),
+                 (int64_t)rk_little_endian(first + begin + 9, 8));
     else if (bytes >= 9 && *first == 'L')
-        add_object(s, r->name, r->name_size, (int64_t)number_at(first, 1, 8));
+        add_object(s, r->name, r->name_size, (int64_t)rk_little_endian(first + 1, 8));
 }
 
 static void read_binary(fbx_parser *s, const char *text, size_t size)

@@ -5,6 +5,7 @@
  * part's colour; red is in the lowest bits, and bit 15 is clear where a triangle has a colour of
  * its own. MeshLab writes the same with bit 15 set. Sources: Wikipedia, "STL (file format)";
  * VCGlib, wrap/io_trimesh/export_stl.h. */
+#include "io/little_endian.h"
 #include "io/mesh_helper/mesh_colours.h"
 #include "io/mesh_helper/mesh_syntax.h"
 #include "io/mesh_helper/text_cursor.h"
@@ -21,17 +22,9 @@ typedef struct stl_colour {
     unsigned own_bit; /* bit 15 of a triangle with a colour of its own */
 } stl_colour;
 
-static uint32_t unsigned_at(const char *text, size_t offset, size_t bytes)
-{
-    uint32_t value = 0;
-    for (size_t i = 0; i < bytes; i++)
-        value |= (uint32_t)(unsigned char)text[offset + i] << 8 * i;
-    return value;
-}
-
 static bool is_binary(const char *text, size_t size, uint32_t *count)
 {
-    *count = size >= rows_begin ? unsigned_at(text, head_size, 4) : 0;
+    *count = size >= rows_begin ? rk_little_endian_32(text + head_size) : 0;
     return size >= rows_begin && size - rows_begin == (size_t)*count * row_size;
 }
 
@@ -91,7 +84,7 @@ static bool write_small_letters(const char *path, const char *text, size_t size,
 static bool mend_count(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
                        rk_error *error)
 {
-    const uint32_t count = unsigned_at(text, head_size, 4);
+    const uint32_t count = rk_little_endian_32(text + head_size);
     const size_t left = size - rows_begin;
     const bool is_unset = count == 0 || count == UINT32_MAX;
     if (left < row_size || (is_unset && left % row_size != 0))
@@ -158,7 +151,7 @@ bool rk_mesh_syntax_stl(const char *path, const char *text, size_t size, rk_mesh
     for (uint32_t i = 0; i < count; i++) {
         const size_t row = rows_begin + (size_t)i * row_size;
         hints->face_colours[i] = (rk_mesh_colours_face){
-            3, colour_of_triangle(&colour, unsigned_at(text, row + row_size - 2, 2))};
+            3, colour_of_triangle(&colour, rk_little_endian_16(text + row + row_size - 2))};
     }
     if (colour.alpha < 255)
         rk_mesh_hints_note(hints, path, "has a transparent colour, which is drawn as opaque");
