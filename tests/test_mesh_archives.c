@@ -1,4 +1,5 @@
-/* Mesh files that are archives or XML: 3MF, AMF, Collada, X3D. */
+/* Mesh files that are archives, XML or chunks: 3MF, AMF, Collada, X3D, 3DS, MD2. */
+#include "byte_list.h"
 #include "test_mesh_reading.h"
 
 #include "base/image.h"
@@ -581,18 +582,103 @@ static void pictures_of_collada_for_other_programs_are_told(void **state)
 
 /* --- 3DS ------------------------------------------------------------------------------------ */
 
-/* Chunks: a number of 2 bytes, the size of 4 with these six, and what they hold. */
+/* A number of 2 bytes, the size of 4 with these six, and what it holds. */
+static size_t begin_chunk(byte_list *list, unsigned kind)
+{
+    append(list, (const unsigned char[]){kind & 255, (unsigned char)(kind >> 8), 0, 0, 0, 0}, 6);
+    return list->size - 6;
+}
+
+static void end_chunk(byte_list *list, size_t begin)
+{
+    put_word(list->bytes + begin + 2, 0, (uint32_t)(list->size - begin));
+}
+
+/* A triangle whose right angle is at (x, 0, 0). */
+static void append_object(byte_list *list, const char *name, float x)
+{
+    const float points[9] = {x, 0, 0, x + 2, 0, 0, x, 2, 0};
+    const size_t object = begin_chunk(list, 0x4000);
+    append(list, name, strlen(name) + 1);
+    const size_t mesh = begin_chunk(list, 0x4100), vertices = begin_chunk(list, 0x4110);
+    append(list, "\3", 2);
+    append(list, points, sizeof points);
+    end_chunk(list, vertices);
+    const size_t faces = begin_chunk(list, 0x4120);
+    append(list, "\1\0\0\0\1\0\2\0\0", 10);
+    end_chunk(list, faces);
+    end_chunk(list, mesh);
+    end_chunk(list, object);
+}
+
+/* At (x, 0, 0) in the first frame. */
+static void append_node(byte_list *list, const char *name, bool has_number, float x, float pivot)
+{
+    const float place[3] = {x, 0, 0}, from[3] = {pivot, 0, 0};
+    const size_t node = begin_chunk(list, 0xb002);
+    if (has_number) {
+        const size_t number = begin_chunk(list, 0xb030);
+        append(list, "\0", 2);
+        end_chunk(list, number);
+    }
+    const size_t head = begin_chunk(list, 0xb010);
+    append(list, name, strlen(name) + 1);
+    append(list, "\0\0\0\0\xff\xff", 6);
+    end_chunk(list, head);
+    const size_t origin = begin_chunk(list, 0xb013);
+    append(list, from, sizeof from);
+    end_chunk(list, origin);
+    const size_t track = begin_chunk(list, 0xb020);
+    append(list, "\0\0\0\0\0\0\0\0\0\0\1\0\0\0\0\0\0\0\0", 20);
+    append(list, place, sizeof place);
+    end_chunk(list, track);
+    end_chunk(list, node);
+}
+
+/* Two objects at 0 and 10, and their nodes. */
+static test_path write_3ds(bool has_nodes, bool have_numbers)
+{
+    byte_list list = {.size = 0};
+    const size_t whole = begin_chunk(&list, 0x4d4d), scene = begin_chunk(&list, 0x3d3d);
+    append_object(&list, "a", 0);
+    append_object(&list, "b", 10);
+    end_chunk(&list, scene);
+    const size_t keys = has_nodes ? begin_chunk(&list, 0xb000) : 0;
+    if (has_nodes) {
+        append_node(&list, "a", have_numbers, 1, 0);
+        append_node(&list, "b", have_numbers, 16, 5);
+        end_chunk(&list, keys);
+    }
+    end_chunk(&list, whole);
+    return test_folder_write(&folder, "made.3ds", list.bytes, list.size, 0600);
+}
+
+static void check_3ds(test_path path, const char *note, float a, float b)
+{
+    rk_mesh mesh = load_with_note(path, note);
+    rk_check_equal(mesh.triangle_count, 2, "triangles");
+    check_point(corner(&mesh, 0, 0), a, 0, 0);
+    check_point(corner(&mesh, 1, 0), b, 0, 0);
+    rk_mesh_free(&mesh);
+}
+
 static void flat_faces_of_3ds_are_told(void **state)
 {
     (void)state;
-    static const char bytes[] =
-        "\x4d\x4d\x56\0\0\0\x3d\x3d\x50\0\0\0\0\x40\x4a\0\0\0\x61\0\0\x41\x42\0\0\0"
-        "\x10\x41\x2c\0\0\0\3\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\x80\x3f\0\0\0\0\0\0\0\0"
-        "\0\0\0\0\0\0\x80\x3f\0\0\0\0\x20\x41\x10\0\0\0\1\0\0\0\1\0\2\0\0\0";
-    rk_mesh mesh = load_with_note(test_folder_write(&folder, "flat.3ds", bytes, 86, 0600),
-                                  "flat faces may be drawn smooth");
-    rk_check_equal(mesh.triangle_count, 1, "triangles");
-    rk_mesh_free(&mesh);
+    check_3ds(write_3ds(false, false), "flat faces may be drawn smooth", 0, 10);
+}
+
+static void nodes_of_3ds_move_their_objects_from_the_pivot(void **state)
+{
+    (void)state;
+    check_3ds(write_3ds(true, true), "flat faces", 1, 21);
+}
+
+/* In some files, as here, the pivot counts from the middle of the object's box. */
+static void nodes_of_3ds_without_numbers_are_told_and_left_out(void **state)
+{
+    (void)state;
+    check_3ds(write_3ds(true, false), "keyframes whose nodes have no numbers", 0, 10);
 }
 
 /* --- MD2 ------------------------------------------------------------------------------------ */
@@ -653,6 +739,8 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(an_index_of_collada_below_0_is_refused),
     cmocka_unit_test(pictures_of_collada_for_other_programs_are_told),
     cmocka_unit_test(flat_faces_of_3ds_are_told),
+    cmocka_unit_test(nodes_of_3ds_move_their_objects_from_the_pivot),
+    cmocka_unit_test(nodes_of_3ds_without_numbers_are_told_and_left_out),
     cmocka_unit_test(an_md2_without_a_skin_lacks_no_picture),
     cmocka_unit_test(a_channel_that_a_collada_mesh_lacks_is_its_first),
 };

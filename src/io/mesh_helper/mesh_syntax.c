@@ -181,6 +181,8 @@ static bool parse_bytes(const char *path, const char *text, size_t size, rk_mesh
         return rk_mesh_syntax_ac(path, text, size, hints, error);
     if (rk_mesh_files_has_ending(path, "x3d"))
         return rk_mesh_syntax_x3d(path, text, size, hints, error);
+    if (rk_mesh_files_has_ending(path, "3ds"))
+        return rk_mesh_syntax_3ds(path, text, size, hints, error);
     if (rk_mesh_files_has_ending(path, "fbx"))
         return rk_mesh_syntax_fbx(path, text, size, hints, error);
     if (rk_mesh_files_has_ending(path, "dae"))

@@ -72,6 +72,8 @@ bool rk_mesh_syntax_x3d(const char *path, const char *text, size_t size, rk_mesh
                         rk_error *error);
 bool rk_mesh_syntax_dae(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
                         rk_error *error);
+bool rk_mesh_syntax_3ds(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
+                        rk_error *error);
 bool rk_mesh_syntax_fbx(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
                         rk_error *error);
 bool rk_mesh_syntax_glb(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
