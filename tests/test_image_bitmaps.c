@@ -2,6 +2,7 @@
 #include "test.h"
 
 #include "byte_list.h"
+#include "remedy.h"
 #include "test_folder.h"
 
 #include "io/image_file.h"
@@ -173,11 +174,27 @@ static void a_fourth_byte_of_a_tga_is_alpha_if_its_header_says_so(void **state)
     }
 }
 
+static void a_tga_whose_colour_map_does_not_begin_with_0_is_refused(void **state)
+{
+    static const unsigned char head[18] = {[1] = 1, 1, 1, [5] = 2, [7] = 24, [12] = 2, 0, 1, 0, 8};
+    byte_list list = {.size = 0};
+    rk_image image;
+    rk_error error;
+    append(&list, head, sizeof head);
+    append(&list, four_pixels, 6);
+    append(&list, "\1\2", 2);
+    const test_path path = test_folder_write(*state, "first.tga", list.bytes, list.size, 0600);
+    rk_check(!rk_image_file_read(&image, path.text, &error), "it was read");
+    rk_check_error_names(error, "has a colour map that begins with number 1");
+    rk_check_remedy(error.text);
+}
+
 static const struct CMUnitTest tests[] = {
     test_in_folder(the_masks_of_a_bitmap_say_where_its_colours_are),
     test_in_folder(a_fourth_byte_of_a_bitmap_is_alpha_if_its_header_says_so),
     test_in_folder(a_tga_is_read_in_each_of_its_forms),
     test_in_folder(a_fourth_byte_of_a_tga_is_alpha_if_its_header_says_so),
+    test_in_folder(a_tga_whose_colour_map_does_not_begin_with_0_is_refused),
 };
 
 RK_SUITE_IN("image_bitmaps", tests, NULL, end_reader)

@@ -16,6 +16,7 @@
 #include "io/image_shape.h"
 #include "io/image_stream.h"
 #include "io/image_world.h"
+#include "io/little_endian.h"
 
 #include <OpenImageIO/color.h>
 #include <OpenImageIO/imagebuf.h>
@@ -23,6 +24,7 @@
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cerrno>
 #include <cmath>
@@ -604,13 +606,31 @@ Picture read_whole(const std::string &path, OIIO::ImageSpec spec, const Wish &wi
     return finish(spec, channels, std::move(values), wish);
 }
 
-// Of a Targa file, the number of alpha bits is in the lowest four of this byte (Truevision, "TGA
-// File Format Specification", field 5.6).
-bool has_alpha_bits(const std::string &path)
+using TargaHead = std::array<unsigned char, 18>;
+
+TargaHead targa_head(const std::string &path)
 {
-    char head[18] = {};
-    std::ifstream(path, std::ios::binary).read(head, sizeof head);
+    TargaHead head = {};
+    std::ifstream(path, std::ios::binary).read(reinterpret_cast<char *>(head.data()), head.size());
+    return head;
+}
+
+// The number of alpha bits is in the lowest four of this byte (Truevision, "TGA File Format
+// Specification", field 5.6).
+bool has_alpha_bits(const TargaHead &head)
+{
     return (head[17] & 15) != 0;
+}
+
+// The number of the map's first colour (field 4.1), from which OpenImageIO 2.4 does not count.
+void check_colour_map(const std::string &path, const TargaHead &head)
+{
+    const bool has_map = head[2] == 1 || head[2] == 9;
+    const uint16_t first = rk_little_endian_16(&head[3]);
+    if (has_map && first > 0)
+        fail(path, "has a colour map that begins with number " + std::to_string(first) +
+                       ", and only those from 0 on are read: save it without a colour map, or as "
+                       "PNG");
 }
 
 Picture read_picture(const std::string &path, const Wish &wish = {})
@@ -637,8 +657,12 @@ Picture read_picture(const std::string &path, const Wish &wish = {})
         fail_unknown(path, first_line(OIIO::geterror()));
     OIIO::ImageSpec spec = input->spec();
     const bool is_targa = std::strcmp(input->format_name(), "targa") == 0;
-    if (is_targa && !has_alpha_bits(path))
-        spec.alpha_channel = -1;
+    if (is_targa) {
+        const TargaHead head = targa_head(path);
+        check_colour_map(path, head);
+        if (!has_alpha_bits(head))
+            spec.alpha_channel = -1;
+    }
     multiply_exposures(path, spec);
     const Channels channels = check(path, spec, wish);
     const int factor = world_factor(spec, wish.shape, wish.part, wish.least_width);
