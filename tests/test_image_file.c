@@ -191,39 +191,51 @@ static void append_attribute(byte_list *list, const char *name, const char *type
     append(list, value, size);
 }
 
-/* An OpenEXR file of one pixel of floats, uncompressed ("OpenEXR File Layout"), with the name of
- * its colour space. `names`: of its channels, each followed by a blank. */
-static test_path write_small_exr(const test_folder *folder, const char *names, const char *space,
-                                 const float *values)
+/* An OpenEXR file of floats, uncompressed ("OpenEXR File Layout"), with the name of its colour
+ * space. `names`: of its channels, each followed by a blank. A window has its first column and row,
+ * and its last. */
+static test_path write_exr(const test_folder *folder, const char *names, const char *space,
+                           const uint32_t data[4], const uint32_t display[4], const float *values)
 {
     byte_list channels = {.size = 0};
     uint32_t size = 0;
-    for (const char *name = names; *name; name = strchr(name, ' ') + 1, size += sizeof *values) {
+    const uint32_t width = data[2] - data[0] + 1, height = data[3] - data[1] + 1, version = 2;
+    for (const char *name = names; *name; name = strchr(name, ' ') + 1) {
         append(&channels, name, (size_t)(strchr(name, ' ') - name));
         append(&channels, "\0\2\0\0\0\0\0\0\0\1\0\0\0\1\0\0\0", 17);
+        size += width * (uint32_t)sizeof *values;
     }
     append(&channels, "", 1);
-    const uint32_t window[4] = {0}, version = 2, row = 0;
     const float one = 1, centre[2] = {0};
     byte_list list = {.size = 0};
     append(&list, "\x76\x2f\x31\x01", 4);
     append(&list, &version, sizeof version);
     append_attribute(&list, "channels", "chlist", channels.bytes, (uint32_t)channels.size);
     append_attribute(&list, "compression", "compression", "", 1);
-    append_attribute(&list, "dataWindow", "box2i", window, sizeof window);
-    append_attribute(&list, "displayWindow", "box2i", window, sizeof window);
+    append_attribute(&list, "dataWindow", "box2i", data, 4 * sizeof *data);
+    append_attribute(&list, "displayWindow", "box2i", display, 4 * sizeof *display);
     append_attribute(&list, "lineOrder", "lineOrder", "", 1);
     append_attribute(&list, "oiio:ColorSpace", "string", space, (uint32_t)strlen(space));
     append_attribute(&list, "pixelAspectRatio", "float", &one, sizeof one);
     append_attribute(&list, "screenWindowCenter", "v2f", centre, sizeof centre);
     append_attribute(&list, "screenWindowWidth", "float", &one, sizeof one);
     append(&list, "", 1);
-    const uint64_t offset = list.size + sizeof offset;
-    append(&list, &offset, sizeof offset);
-    append(&list, &row, sizeof row);
-    append(&list, &size, sizeof size);
-    append(&list, values, size);
+    const uint64_t rows = list.size + height * sizeof rows;
+    for (uint32_t y = 0; y < height; y++)
+        append(&list, &(uint64_t){rows + y * (8 + size)}, sizeof rows);
+    for (uint32_t y = 0; y < height; y++) {
+        append(&list, &(uint32_t){data[1] + y}, sizeof y);
+        append(&list, &size, sizeof size);
+        append(&list, (const char *)values + y * size, size);
+    }
     return test_folder_write(folder, "made.exr", list.bytes, list.size, 0600);
+}
+
+static test_path write_small_exr(const test_folder *folder, const char *names, const char *space,
+                                 const float *values)
+{
+    static const uint32_t pixel[4] = {0};
+    return write_exr(folder, names, space, pixel, pixel, values);
 }
 
 static void floats_are_decoded_only_if_their_file_names_a_curve(void **state)
@@ -253,6 +265,51 @@ static void an_exr_whose_colours_are_in_layers_names_the_first(void **state)
     for (int c = 0; c < 3; c++)
         rk_check_close(rk_axis(image.pixels[0], c), 6 - c, 0, "those outside");
     rk_image_free(&image);
+}
+
+/* As of layers and crops, whose files hold only a part of the picture, or more than it. */
+static void an_exr_shows_what_is_in_its_display_window(void **state)
+{
+    static const uint32_t display[4] = {-1u, 0, 2, 1};
+    static const struct {
+        uint32_t data[4];
+        float want[8];
+    } cases[] = {{{1, 1, 2, 1}, {0, 0, 0, 0, 0, 0, 1, 2}},
+                 {{2, -1u, 3, 1}, {0, 0, 0, 3, 0, 0, 0, 5}},
+                 {{0, 0, 3, 1}, {0, 1, 2, 3, 0, 5, 6, 7}},
+                 {{3, 0, 4, 0}, {0}}};
+    static const float values[8] = {1, 2, 3, 4, 5, 6, 7, 8};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const test_path path = write_exr(*state, "Y ", "lin_srgb", cases[i].data, display, values);
+        rk_image image = read_image(path);
+        rk_check_equal(image.width, 4, "columns");
+        rk_check_equal(image.height, 2, "rows");
+        for (size_t k = 0; k < 8; k++)
+            rk_check_near(image.pixels[k].y, cases[i].want[k], 0, "case %zu, pixel %zu", i, k);
+        rk_image_free(&image);
+    }
+}
+
+static void an_exr_is_transparent_outside_its_data(void **state)
+{
+    static const uint32_t display[4] = {0, 0, 1, 0}, data[4] = {1, 0, 1, 0};
+    const test_path path =
+        write_exr(*state, "A B G R ", "lin_srgb", data, display, (float[]){1, 1, 1, 1});
+    const rk_image_file_wish wish = {.most_pixels = RK_IMAGE_PIXELS_MAX, .reader = &reader};
+    rk_image image;
+    rk_error error;
+    rk_check_ok(rk_image_file_read_opacity(&image, path.text, &wish, true, &error), error);
+    rk_check_equal(image.width, 2, "columns");
+    rk_check_close(image.pixels[0].x, 0, 0, "outside");
+    rk_check_close(image.pixels[1].x, 1, 0, "inside");
+    rk_image_free(&image);
+}
+
+static void an_exr_with_a_display_window_too_large_is_refused(void **state)
+{
+    static const uint32_t display[4] = {0, 0, 0xfffff, 0}, pixel[4] = {0};
+    check_refused(write_exr(*state, "Y ", "lin_srgb", pixel, display, (float[]){1}),
+                  ": claims 1048576 x 1 pixels");
 }
 
 static void jpeg_is_srgb_encoded(void **state)
@@ -874,6 +931,9 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(the_first_bytes_name_the_format),
     test_in_folder(floats_are_decoded_only_if_their_file_names_a_curve),
     test_in_folder(an_exr_whose_colours_are_in_layers_names_the_first),
+    test_in_folder(an_exr_shows_what_is_in_its_display_window),
+    test_in_folder(an_exr_is_transparent_outside_its_data),
+    test_in_folder(an_exr_with_a_display_window_too_large_is_refused),
     test_in_folder(jpeg_is_srgb_encoded),
     test_in_folder(eight_bit_grey_is_decoded_and_replicated),
     test_in_folder(sixteen_bits_are_decoded_and_alpha_is_dropped),

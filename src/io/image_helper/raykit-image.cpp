@@ -367,7 +367,8 @@ void order_openexr_cube(Picture &strip)
     strip.rgb = std::move(rgb);
 }
 
-// An EXR file may store a part of its picture, or more than it.
+// An EXR file may store a part of its picture, which is what the display window shows, or more than
+// it. An environment has no part that may be missing.
 void check_window(const std::string &path, const OIIO::ImageSpec &spec, rk_image_shape shape)
 {
     if (shape != RK_IMAGE_ENVIRONMENT || is_openexr_cube(spec) ||
@@ -379,6 +380,47 @@ void check_window(const std::string &path, const OIIO::ImageSpec &spec, rk_image
                    " pixels of a picture of " + std::to_string(spec.full_width) + " x " +
                    std::to_string(spec.full_height) +
                    ": save it whole, for instance by oiiotool --croptofull");
+}
+
+Floats make_values(const OIIO::ImageSpec &spec, int channels)
+{
+    return Floats(size_t(spec.width) * size_t(spec.height) * size_t(channels));
+}
+
+// The display window, if it is another than that of the data. Other formats have places on a page.
+OIIO::ImageSpec shown_of(const OIIO::ImageSpec &spec)
+{
+    OIIO::ImageSpec shown = spec;
+    const bool is_environment =
+        spec.get_string_attribute("textureformat").find("Environment") != std::string::npos;
+    if (!spec.get_int_attribute("raykit:exr") || is_environment)
+        return shown;
+    shown.x = spec.full_x, shown.y = spec.full_y;
+    shown.width = spec.full_width, shown.height = spec.full_height;
+    return shown;
+}
+
+bool is_shown_whole(const OIIO::ImageSpec &spec)
+{
+    const OIIO::ImageSpec shown = shown_of(spec);
+    return shown.x == spec.x && shown.y == spec.y && shown.width == spec.width &&
+           shown.height == spec.height;
+}
+
+// Black and transparent where nothing is stored.
+Floats show(const Floats &stored, const OIIO::ImageSpec &spec, const OIIO::ImageSpec &shown,
+            int channels)
+{
+    Floats values = make_values(shown, channels);
+    std::fill(values.begin(), values.end(), 0.0f);
+    const int64_t left = std::max(spec.x, shown.x), top = std::max(spec.y, shown.y);
+    const int64_t right = std::min(int64_t(spec.x) + spec.width, int64_t(shown.x) + shown.width);
+    const int64_t bottom = std::min(int64_t(spec.y) + spec.height, int64_t(shown.y) + shown.height);
+    for (int64_t y = top; y < bottom && left < right; y++)
+        std::copy_n(stored.data() + ((y - spec.y) * spec.width + left - spec.x) * channels,
+                    (right - left) * channels,
+                    values.data() + ((y - shown.y) * shown.width + left - shown.x) * channels);
+    return values;
 }
 
 Floats replicate(const Floats &grey)
@@ -416,12 +458,12 @@ void check_readable(const std::string &path)
          "is damaged" + (reason.empty() ? reason : ": " + reason) + "; save or download it again");
 }
 
-// 1 for pictures that must be read as a whole: those in tiles, and those to be turned.
+// 1 for pictures that must be read as a whole: those in tiles, those to be turned, and parts.
 int world_factor(const OIIO::ImageSpec &spec, rk_image_shape shape, rk_image_stream_part part,
                  size_t least_width)
 {
     if (shape != RK_IMAGE_ENVIRONMENT || part != RK_IMAGE_STREAM_COLOUR || spec.tile_width > 0 ||
-        spec.get_int_attribute("Orientation", 1) > 1 ||
+        spec.get_int_attribute("Orientation", 1) > 1 || !is_shown_whole(spec) ||
         !rk_image_shape_has_world(size_t(spec.width), size_t(spec.height)))
         return 1;
     return int(rk_image_world_factor(size_t(spec.width), size_t(spec.height), least_width));
@@ -560,9 +602,11 @@ struct Wish {
 
 Channels check(const std::string &path, const OIIO::ImageSpec &spec, const Wish &wish)
 {
+    const OIIO::ImageSpec shown = shown_of(spec);
     check_size(path, spec, wish.most_pixels);
-    check_shape(path, spec, wish.shape);
     check_window(path, spec, wish.shape);
+    check_size(path, shown, wish.most_pixels);
+    check_shape(path, shown, wish.shape);
     return channels_of(path, spec, wish.part);
 }
 
@@ -582,11 +626,6 @@ Picture finish(const OIIO::ImageSpec &spec, Channels channels, Floats values, co
     return picture;
 }
 
-Floats make_values(const OIIO::ImageSpec &spec, Channels channels)
-{
-    return Floats(size_t(spec.width) * size_t(spec.height) * size_t(channels.count));
-}
-
 // Reads the values of some channels.
 using Reader = std::function<void(Channels, float *)>;
 
@@ -595,7 +634,7 @@ Picture read_whole(const std::string &path, OIIO::ImageSpec spec, const Wish &wi
                    bool may_be_padding, const Reader &read)
 {
     const Channels channels = check(path, spec, wish);
-    Floats values = make_values(spec, channels);
+    Floats values = make_values(spec, channels.count);
     read(channels, values.data());
     if (may_be_padding && wish.part != RK_IMAGE_STREAM_COLOUR &&
         channels.first == alpha_channel(spec) &&
@@ -603,7 +642,10 @@ Picture read_whole(const std::string &path, OIIO::ImageSpec spec, const Wish &wi
         spec.alpha_channel = -1;
         return read_whole(path, spec, wish, false, read);
     }
-    return finish(spec, channels, std::move(values), wish);
+    const OIIO::ImageSpec shown = shown_of(spec);
+    if (!is_shown_whole(spec))
+        values = show(values, spec, shown, channels.count);
+    return finish(shown, channels, std::move(values), wish);
 }
 
 using TargaHead = std::array<unsigned char, 18>;
@@ -663,6 +705,7 @@ Picture read_picture(const std::string &path, const Wish &wish = {})
         if (!has_alpha_bits(head))
             spec.alpha_channel = -1;
     }
+    spec.attribute("raykit:exr", std::strcmp(input->format_name(), "openexr") == 0);
     multiply_exposures(path, spec);
     const Channels channels = check(path, spec, wish);
     const int factor = world_factor(spec, wish.shape, wish.part, wish.least_width);
