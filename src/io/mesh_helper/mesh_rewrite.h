@@ -3,6 +3,7 @@
 #ifndef RK_IO_MESH_HELPER_MESH_REWRITE_H
 #define RK_IO_MESH_HELPER_MESH_REWRITE_H
 
+#include "io/mesh_helper/mesh_syntax.h"
 #include "io/mesh_helper/text_cursor.h"
 
 #include <stdio.h>
@@ -17,6 +18,25 @@ static inline void rewrite_skip(mesh_rewrite *r, const char *from, const char *t
 {
     fwrite(r->copied, 1, (size_t)(from - r->copied), r->out);
     r->copied = to;
+}
+
+static inline bool rewrite_fail(const char *path, rk_error *error)
+{
+    return rk_fail(error, "%s: no memory for its text: simplify the mesh", path);
+}
+
+static inline bool rewrite_begin(mesh_rewrite *r, const char *path, const char *text,
+                                 rk_mesh_hints *hints, rk_error *error)
+{
+    *r = (mesh_rewrite){open_memstream(&hints->text, &hints->size), text};
+    return r->out || rewrite_fail(path, error);
+}
+
+/* Copies the rest of the text. */
+static inline bool rewrite_end(mesh_rewrite *r, const char *path, const char *end, rk_error *error)
+{
+    rewrite_skip(r, end, end);
+    return fclose(r->out) == 0 || rewrite_fail(path, error);
 }
 
 /* Writes a zero before each number of the text that begins with its point, which Assimp does not

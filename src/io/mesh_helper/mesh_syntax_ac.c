@@ -33,9 +33,9 @@ bool rk_mesh_syntax_ac(const char *path, const char *text, size_t size, rk_mesh_
     const size_t materials = count_materials(c);
     size_t beyond = 0;
     long long number;
-    mesh_rewrite rewrite = {open_memstream(&hints->text, &hints->size), text};
-    if (!rewrite.out)
-        return rk_fail(error, "%s: no memory for its text: simplify the mesh", path);
+    mesh_rewrite rewrite;
+    if (!rewrite_begin(&rewrite, path, text, hints, error))
+        return false;
     for (; c.at < c.end; text_next_line(&c)) {
         if (!skip_word(&c, "mat"))
             continue;
@@ -46,9 +46,8 @@ bool rk_mesh_syntax_ac(const char *path, const char *text, size_t size, rk_mesh_
         rewrite_skip(&rewrite, from, c.at);
         fputc('0', rewrite.out);
     }
-    rewrite_skip(&rewrite, c.end, c.end);
-    if (fclose(rewrite.out) != 0)
-        return rk_fail(error, "%s: no memory for its text: simplify the mesh", path);
+    if (!rewrite_end(&rewrite, path, c.end, error))
+        return false;
     if (beyond > 0)
         rk_mesh_hints_note(hints, path,
                            "%zu of its surfaces name a material beyond its %zu: they are drawn in "

@@ -180,15 +180,13 @@ bool rk_mesh_syntax_dae(const char *path, const char *text, size_t size, rk_mesh
     for (xml_span tag; xml_next_tag(&at, end, &tag);)
         if (!see_tag(&s, tag, end, error))
             return false;
-    s.rewrite = (mesh_rewrite){open_memstream(&hints->text, &hints->size), text};
-    if (!s.rewrite.out)
-        return rk_fail(error, "%s: no memory for its text: simplify the mesh", path);
+    if (!rewrite_begin(&s.rewrite, path, text, hints, error))
+        return false;
     at = text;
     for (xml_span tag; xml_next_tag(&at, end, &tag);)
         write_tag(&s, tag, end);
-    rewrite_skip(&s.rewrite, end, end);
-    if (fclose(s.rewrite.out) != 0)
-        return rk_fail(error, "%s: no memory for its text: simplify the mesh", path);
+    if (!rewrite_end(&s.rewrite, path, end, error))
+        return false;
     note(&s);
     return true;
 }

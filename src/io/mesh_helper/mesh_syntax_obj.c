@@ -383,14 +383,13 @@ static bool write_corrected(const obj_parser *first, const char *text, size_t si
                     .extent = first->extent,
                     .colours = first->colours,
                     .hints = first->hints};
-    mesh_rewrite rewrite = {open_memstream(&s.hints->text, &s.hints->size), text};
-    if (!rewrite.out)
-        return rk_fail(error, "%s: no memory for its text: simplify the mesh", s.path);
+    mesh_rewrite rewrite;
+    if (!rewrite_begin(&rewrite, s.path, text, s.hints, error))
+        return false;
     memcpy(s.total, first->count, sizeof s.total);
     s.rewrite = &rewrite;
     bool ok = parse_pass(&s, text, size, error);
-    rewrite_skip(&rewrite, text + size, text + size);
-    ok = fclose(rewrite.out) == 0 && ok;
+    ok = rewrite_end(&rewrite, s.path, text + size, error) && ok;
     note_faults(&s);
     s.hints->faces = s.faces;
     s.hints->corners = s.corners;

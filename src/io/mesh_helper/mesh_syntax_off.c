@@ -336,9 +336,9 @@ static void write_lines(FILE *out, const off_parser *s, text_cursor c)
 /* Vertices relative to the first, if they are far away, and a header that announces nothing. */
 static bool write_corrected(const off_parser *s, text_cursor vertices, rk_error *error)
 {
-    mesh_rewrite rewrite = {open_memstream(&s->hints->text, &s->hints->size), vertices.at};
-    if (!rewrite.out)
-        return rk_fail(error, "%s: no memory for its text: simplify the mesh", s->path);
+    mesh_rewrite rewrite;
+    if (!rewrite_begin(&rewrite, s->path, vertices.at, s->hints, error))
+        return false;
     fprintf(rewrite.out, "OFF\n%lld %lld 0\n", s->vertices, s->faces);
     const bool by_rows = s->is_loose || s->has_comments;
     if (by_rows)
@@ -349,8 +349,7 @@ static bool write_corrected(const off_parser *s, text_cursor vertices, rk_error 
     }
     if (!by_rows)
         rewrite_skip(&rewrite, vertices.end, vertices.end);
-    return fclose(rewrite.out) == 0 ||
-           rk_fail(error, "%s: no memory for its text: simplify the mesh", s->path);
+    return fclose(rewrite.out) == 0 || rewrite_fail(s->path, error);
 }
 
 bool rk_mesh_syntax_off(const char *path, const char *text, size_t size, rk_mesh_hints *hints,

@@ -144,14 +144,12 @@ bool rk_mesh_syntax_x3d(const char *path, const char *text, size_t size, rk_mesh
     const char *at = text, *const end = text + size;
     x3d_parser s = {.path = path, .hints = hints};
     hints->pictures_replace = true;
-    s.rewrite = (mesh_rewrite){open_memstream(&hints->text, &hints->size), text};
-    if (!s.rewrite.out)
-        return rk_fail(error, "%s: no memory for its text: simplify the mesh", path);
+    if (!rewrite_begin(&s.rewrite, path, text, hints, error))
+        return false;
     for (xml_span tag; xml_next_tag(&at, end, &tag);)
         see_tag(&s, tag);
-    rewrite_skip(&s.rewrite, end, end);
-    if (fclose(s.rewrite.out) != 0)
-        return rk_fail(error, "%s: no memory for its text: simplify the mesh", path);
+    if (!rewrite_end(&s.rewrite, path, end, error))
+        return false;
     note(&s);
     return true;
 }
