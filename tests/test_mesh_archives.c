@@ -635,18 +635,20 @@ static void append_node(byte_list *list, const char *name, bool has_number, floa
     end_chunk(list, node);
 }
 
-/* Two objects at 0 and 10, and their nodes. */
-static test_path write_3ds(bool has_nodes, bool have_numbers)
+/* Two objects at 0 and 10, and the nodes of the first ones. */
+static test_path write_3ds(int nodes, bool have_numbers)
 {
     byte_list list = {.size = 0};
     const size_t whole = begin_chunk(&list, 0x4d4d), scene = begin_chunk(&list, 0x3d3d);
     append_object(&list, "a", 0);
     append_object(&list, "b", 10);
     end_chunk(&list, scene);
-    const size_t keys = has_nodes ? begin_chunk(&list, 0xb000) : 0;
-    if (has_nodes) {
+    const size_t keys = list.size;
+    if (nodes > 0) {
+        begin_chunk(&list, 0xb000);
         append_node(&list, "a", have_numbers, 1, 0);
-        append_node(&list, "b", have_numbers, 16, 5);
+        if (nodes > 1)
+            append_node(&list, "b", have_numbers, 16, 5);
         end_chunk(&list, keys);
     }
     end_chunk(&list, whole);
@@ -665,20 +667,28 @@ static void check_3ds(test_path path, const char *note, float a, float b)
 static void flat_faces_of_3ds_are_told(void **state)
 {
     (void)state;
-    check_3ds(write_3ds(false, false), "flat faces may be drawn smooth", 0, 10);
+    check_3ds(write_3ds(0, false), "flat faces may be drawn smooth", 0, 10);
 }
 
 static void nodes_of_3ds_move_their_objects_from_the_pivot(void **state)
 {
     (void)state;
-    check_3ds(write_3ds(true, true), "flat faces", 1, 21);
+    check_3ds(write_3ds(2, true), "flat faces", 1, 21);
 }
 
 /* In some files, as here, the pivot counts from the middle of the object's box. */
 static void nodes_of_3ds_without_numbers_are_told_and_left_out(void **state)
 {
     (void)state;
-    check_3ds(write_3ds(true, false), "keyframes whose nodes have no numbers", 0, 10);
+    check_3ds(write_3ds(2, false), "keyframes whose nodes have no numbers", 0, 10);
+}
+
+static void objects_of_3ds_without_a_node_are_told(void **state)
+{
+    (void)state;
+    rk_mesh mesh = load_with_note(write_3ds(1, true), "1 of its 2 parts has no node");
+    rk_check_equal(mesh.triangle_count, 1, "triangles");
+    rk_mesh_free(&mesh);
 }
 
 /* --- MD2 ------------------------------------------------------------------------------------ */
@@ -741,6 +751,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(flat_faces_of_3ds_are_told),
     cmocka_unit_test(nodes_of_3ds_move_their_objects_from_the_pivot),
     cmocka_unit_test(nodes_of_3ds_without_numbers_are_told_and_left_out),
+    cmocka_unit_test(objects_of_3ds_without_a_node_are_told),
     cmocka_unit_test(an_md2_without_a_skin_lacks_no_picture),
     cmocka_unit_test(a_channel_that_a_collada_mesh_lacks_is_its_first),
 };

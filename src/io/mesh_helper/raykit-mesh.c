@@ -230,6 +230,33 @@ static void note_flat_faces(rk_mesh_hints *hints, const char *path)
                            "flat faces may be drawn smooth: export it as glTF if they should not");
 }
 
+static void mark_shown(const struct aiNode *node, bool *is_shown)
+{
+    for (uint32_t i = 0; i < node->mNumMeshes; i++)
+        is_shown[node->mMeshes[i]] = true;
+    for (uint32_t i = 0; i < node->mNumChildren; i++)
+        mark_shown(node->mChildren[i], is_shown);
+}
+
+/* Other programs show an object of 3DS that has no node, too. */
+static void note_unshown(rk_mesh_hints *hints, const struct aiScene *scene, const char *path)
+{
+    if (!rk_mesh_files_has_ending(path, "3ds"))
+        return;
+    bool *is_shown = calloc(scene->mNumMeshes, sizeof *is_shown);
+    uint32_t count = 0;
+    if (is_shown)
+        mark_shown(scene->mRootNode, is_shown);
+    for (uint32_t i = 0; is_shown && i < scene->mNumMeshes; i++)
+        count += !is_shown[i];
+    if (count > 0)
+        rk_mesh_hints_note(hints, path,
+                           "%u of its %u parts %s no node in its keyframes: Assimp leaves %s out",
+                           count, scene->mNumMeshes, count == 1 ? "has" : "have",
+                           count == 1 ? "it" : "them");
+    free(is_shown);
+}
+
 /* Assimp reads one material for each part of a 3MF file, and nothing of the extensions. */
 static void note_rest_of_3mf(rk_mesh_hints *hints, const char *path)
 {
@@ -361,6 +388,7 @@ static bool convert(const char *path, rk_mesh_hints *hints, rk_error *error)
         note_area(hints, &mesh, path);
         note_invisible(hints, &mesh, &textures, path);
         note_flat_faces(hints, path);
+        note_unshown(hints, scene, path);
         note_rest_of_3mf(hints, path);
         ok = write_mesh(&mesh, &textures, path, error);
     }
