@@ -136,9 +136,12 @@ static double distance(rk_vec3 a, rk_vec3 b)
     return number ? (double)rk_max(apart.x, rk_max(apart.y, apart.z)) : INFINITY;
 }
 
-/* The tolerance is followed by a printf format with the position, and its arguments. */
-__attribute__((format(printf, 4, 5))) static void
-check_colour(rk_vec3 got, rk_vec3 want, double tolerance, const char *format, ...)
+/* `said` is what a wrong colour tells of the mistake; a printf format with the position, and its
+ * arguments, follow it. */
+__attribute__((format(printf, 5, 6))) static void check_colour_or(rk_vec3 got, rk_vec3 want,
+                                                                  double tolerance,
+                                                                  const char *said,
+                                                                  const char *format, ...)
 {
     char where[500];
     va_list arguments;
@@ -148,7 +151,19 @@ check_colour(rk_vec3 got, rk_vec3 want, double tolerance, const char *format, ..
     rk_check(distance(got, want) <= tolerance,
              "%s: got (%g, %g, %g), want (%g, %g, %g) within %.3g%s", where, (double)got.x,
              (double)got.y, (double)got.z, (double)want.x, (double)want.y, (double)want.z,
-             tolerance, rk_mistake_in_vector(RK_XYZ(got), RK_XYZ(want), tolerance, NULL));
+             tolerance, said);
+}
+
+__attribute__((format(printf, 4, 5))) static void
+check_colour(rk_vec3 got, rk_vec3 want, double tolerance, const char *format, ...)
+{
+    char where[500];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(where, sizeof where, format, arguments);
+    va_end(arguments);
+    check_colour_or(got, want, tolerance,
+                    rk_mistake_in_vector(RK_XYZ(got), RK_XYZ(want), tolerance, NULL), "%s", where);
 }
 
 static const char *const filter_names[] = {"nearest", "bilinear", "seamless"};
@@ -156,6 +171,15 @@ static const char *const filter_names[] = {"nearest", "bilinear", "seamless"};
 static const char *name_of(rk_cube_face face)
 {
     return (unsigned)face < RK_FACES ? cross[face].name : "that does not exist";
+}
+
+/* Of a colour that the map has, or would have, on another face. */
+static const char *said_of_face(int face, int want)
+{
+    static char text[100];
+    snprintf(text, sizeof text, "; that belongs to face %s, but the direction hits %s",
+             cross[face].name, cross[want].name);
+    return text;
 }
 
 /* --- Directions ------------------------------------------------------------------------------- */
@@ -350,15 +374,22 @@ static void radiance_above_1_is_kept(void **state)
 }
 
 /* Of a place in columns and rows, and the texel got for it. */
-static const char *mistake_of_texel(uint32_t side, rk_vec3 got, double x, double y)
+static const char *mistake_of_texel(uint32_t side, int face, rk_vec3 got, double x, double y)
 {
     const double column = floor(x), row = floor(y), top = side - 1, most = side - 1;
+    for (int other = 0; other < RK_FACES; other++)
+        if (other != face && got.x == (float)other)
+            return said_of_face(other, face);
     return rk_mistake_in_vector(
         (const double[]){0, (double)got.y, (double)got.z}, (const double[]){0, column, row}, 0,
         RK_VECTOR_MISTAKES(
             {{0, top - row, top - column}, "u counts rows and v columns: they are exchanged"},
+            {{0, row, column}, "columns and rows are exchanged"},
             {{0, column, top - row}, "rows are counted from the bottom, but row 0 is at the top"},
             {{0, top - column, row}, "columns are counted from the right"},
+            {{0, top - column, top - row}, "columns are counted from the right, rows from below"},
+            {{0, top - row, column}, "the face is turned by a quarter"},
+            {{0, row, top - column}, "the face is turned by a quarter"},
             {{0, fmin(floor(x + 0.5), most), fmin(floor(y + 0.5), most)},
              "places are rounded, not cut: texel 0 "
              "reaches from 0 to 1"},
@@ -373,18 +404,20 @@ static void nearest_is_the_texel_that_the_direction_hits(void **state)
     for (size_t k = 0; k < sizeof sides / sizeof *sides; k++) {
         uint32_t side = sides[k];
         rk_cubemap map = paint_map(side, texel_name);
-        for (uint32_t i = 0; i<RK_FACES * side * side * 9; i += side> 16 ? 97 : 1) {
-            /* Nine points in each texel, near its corners too. */
+        for (uint32_t n = 0; n<RK_FACES * side * side * 9; n += side> 16 ? 97 : 1) {
+            /* Nine points in each texel, near its corners too; first in one whose column and row
+             * each mistake makes others. */
+            uint32_t all = RK_FACES * side * side * 9, i = (n + (side > 1 ? 9 : 0)) % all;
             uint32_t column = i / 9 % side, row = i / 9 / side % side, face = i / 9 / side / side;
             double x = column + 0.5 + 0.49 * (i % 3 - 1.0),
                    y = row + 0.5 + 0.49 * (i / 3 % 3 - 1.0);
             vec d = towards((int)face, 2 * x / side - 1, 1 - 2 * y / side);
             rk_vec3 got = rk_cubemap_at(&map, narrow(d), RK_CUBEMAP_NEAREST);
-            check_colour(got, rk_vec((float)face, (float)column, (float)row), 0,
-                         "side %u, face %s, %g columns from the left, %g rows from the top, as "
-                         "(face, column, row)%s",
-                         side, cross[face].name, x, y,
-                         side == 5 ? mistake_of_texel(side, got, x, y) : "");
+            check_colour_or(got, rk_vec((float)face, (float)column, (float)row), 0,
+                            mistake_of_texel(side, (int)face, got, x, y),
+                            "side %u, face %s, %g columns from the left, %g rows from the top, as "
+                            "(face, column, row)",
+                            side, cross[face].name, x, y);
         }
         rk_cubemap_free(&map);
     }
@@ -505,9 +538,25 @@ static rk_cubemap lone_face(uint32_t side, int lit, rk_vec3 colour, rk_vec3 **bl
     return map;
 }
 
+static void check_colours_of_faces(void)
+{
+    rk_cubemap map = paint_map(3, one_colour_per_face);
+    for (int face = 0; face < RK_FACES; face++) {
+        rk_vec3 got = rk_cubemap_at(&map, narrow(cross[face].ahead), RK_CUBEMAP_BILINEAR);
+        int other = got.x >= 0 && got.x < RK_FACES ? (int)got.x : face;
+        rk_vec3 want = one_colour_per_face(3, face, 0, 0);
+        bool is_other = other != face && distance(got, one_colour_per_face(3, other, 0, 0)) == 0;
+        check_colour_or(got, want, RK_FACES * RK_FACES * few_roundings,
+                        is_other ? said_of_face(other, face) : "",
+                        "side 3, the middle of face %s, which has one colour", cross[face].name);
+    }
+    rk_cubemap_free(&map);
+}
+
 static void bilinear_stays_within_its_face(void **state)
 {
     (void)state;
+    check_colours_of_faces();
     const uint32_t sides[] = {1, 2, 7};
     const rk_vec3 colour = {1, 2, 3};
     for (size_t k = 0; k < sizeof sides / sizeof *sides; k++)
@@ -532,10 +581,12 @@ static void bilinear_stays_within_its_face(void **state)
 /* In which part of the face a filter has texels on one side only. */
 static const char *part_of(double x, double y, double last)
 {
-    return x < 0      ? "left of the first centres, where x = n u - 1/2 is negative"
-           : y < 0    ? "below the first centres, where y = n v - 1/2 is negative"
-           : x > last ? "right of the last centres"
-           : y > last ? "above the last centres"
+    return x < 0   ? "left of the first centres, where x = n u - 1/2 is negative and the first "
+                     "column is repeated"
+           : y < 0 ? "below the first centres, where y = n v - 1/2 is negative and the lowest row "
+                     "is repeated"
+           : x > last ? "right of the last centres, where the last column is repeated"
+           : y > last ? "above the last centres, where the highest row is repeated"
                       : "between centres";
 }
 
@@ -555,23 +606,82 @@ static rk_vec3 under_tents(const rk_cubemap *map, int face, double x, double y)
     return narrow(sum);
 }
 
+static bool is_mistake(rk_vec3 got, rk_vec3 value, rk_vec3 want, double tolerance)
+{
+    return distance(got, value) <= tolerance && distance(want, value) > 2 * tolerance;
+}
+
+/* Left of the first centres, or below them. */
+static const char *mistake_below(const rk_cubemap *map, int face, double x, double y, bool left,
+                                 rk_vec3 got, double tolerance)
+{
+    const double last = map->side - 1, off = left ? -x : -y;
+    rk_vec3 want = under_tents(map, face, x, y);
+    vec first = widen(want), next = widen(under_tents(map, face, left ? off : x, left ? y : off));
+    vec other = widen(under_tents(map, face, left ? last : x, left ? y : last));
+    if (!(off > 0))
+        return "";
+    if (is_mistake(got, narrow(combine(first, 2, next, -1)), want, tolerance))
+        return RK_EXACTLY_IF "x or y is cut towards 0, as by (int): floorf turns -0.3 into -1";
+    if (is_mistake(got, narrow(combine(other, off, first, 1 - off)), want, tolerance))
+        return RK_EXACTLY_IF "the face begins again at its other edge";
+    return "";
+}
+
+/* Of a place in texels from the first centre, to the right and upwards. */
+static const char *mistake_of_mix(const rk_cubemap *map, int face, double x, double y, rk_vec3 got,
+                                  double tolerance)
+{
+    const rk_vec3 want = under_tents(map, face, x, y);
+    const double last = map->side - 1, i = floor(x), j = floor(y), s = x - i, t = y - j;
+    const char *cut = RK_EXACTLY_IF "i or j is cut towards 0, as by (int), but s and t are not: "
+                                    "floorf turns -0.3 into -1";
+    const struct {
+        double x, y;
+        const char *said;
+    } mistakes[] = {
+        {y, x, RK_EXACTLY_IF "u and v are exchanged"},
+        {i + t, j + s, RK_EXACTLY_IF "s and t are exchanged, or i and j in texels[j][i]"},
+        {j + s, i + t, RK_EXACTLY_IF "the quad's i and j are exchanged"},
+        {last - x, y, RK_EXACTLY_IF "columns are counted from the right"},
+        {x, last - y, RK_EXACTLY_IF "rows are counted from the top, but v runs upwards"},
+        {x + 0.5, y + 0.5, RK_EXACTLY_IF "the half in x = n u - 1/2 is missing"},
+        {x < 0 ? x + 1 : x, y, cut},
+        {x, y < 0 ? y + 1 : y, cut},
+        {x < 0 ? x + 1 : x, y < 0 ? y + 1 : y, cut},
+    };
+    if (distance(got, want) <= tolerance)
+        return "";
+    for (size_t k = 0; k < sizeof mistakes / sizeof *mistakes; k++)
+        if (is_mistake(got, under_tents(map, face, mistakes[k].x, mistakes[k].y), want, tolerance))
+            return mistakes[k].said;
+    for (int other = 0; other < RK_FACES; other++)
+        if (is_mistake(got, under_tents(map, other, x, y), want, tolerance))
+            return said_of_face(other, face);
+    const char *said = mistake_below(map, face, x, y, true, got, tolerance);
+    return *said ? said : mistake_below(map, face, x, y, false, got, tolerance);
+}
+
 static void bilinear_mixes_the_faces_own_texels_up_to_its_edges(void **state)
 {
     (void)state;
-    const uint32_t sides[] = {1, 2, 5};
-    enum { places = 23 };
+    const uint32_t sides[] = {5, 1, 2};
+    enum { places = 23, all = RK_FACES * places * places };
     for (size_t k = 0; k < sizeof sides / sizeof *sides; k++) {
         rk_cubemap map = paint_map(sides[k], noise);
-        for (int n = 0; n < RK_FACES * places * places; n++) {
-            int face = n / (places * places);
+        for (int m = 0; m < all; m++) {
+            /* First at the left edge, where each mistake gives another colour. */
+            int n = (m + 7 * places) % all, face = n / (places * places);
             double u = (n % places + 0.5) / places, v = (n / places % places + 0.5) / places;
             double x = u * sides[k] - 0.5, y = v * sides[k] - 0.5;
             /* u and v are rounded; colours differ by at most 1 per texel. */
-            check_colour(rk_cubemap_at(&map, narrow(towards(face, 2 * u - 1, 2 * v - 1)),
-                                       RK_CUBEMAP_BILINEAR),
-                         under_tents(&map, face, x, y), 2 * (sides[k] + 1) * few_roundings,
-                         "side %u, face %s, (u, v) = (%.3g, %.3g), %s", sides[k], cross[face].name,
-                         u, v, part_of(x, y, sides[k] - 1));
+            double tolerance = 2 * (sides[k] + 1) * few_roundings;
+            rk_vec3 got = rk_cubemap_at(&map, narrow(towards(face, 2 * u - 1, 2 * v - 1)),
+                                        RK_CUBEMAP_BILINEAR);
+            check_colour_or(got, under_tents(&map, face, x, y), tolerance,
+                            mistake_of_mix(&map, face, x, y, got, tolerance),
+                            "side %u, face %s, (u, v) = (%.3g, %.3g), %s", sides[k],
+                            cross[face].name, u, v, part_of(x, y, sides[k] - 1));
         }
         rk_cubemap_free(&map);
     }
@@ -653,11 +763,38 @@ static void within_a_face_seamless_is_bilinear(void **state)
 
 /* What a colour at an edge or a corner tells: that of one texel comes from a lookup within the
  * face. */
-static const char *is_own_texel(const rk_cubemap *map, vec d, rk_vec3 got, uint32_t side)
+static const char *is_own_texel(rk_vec3 own, rk_vec3 got, uint32_t side)
 {
-    rk_vec3 own = rk_cubemap_at(map, narrow(d), RK_CUBEMAP_NEAREST);
-    return distance(got, own) <= side * few_roundings ? "; got that of the face's own texel alone"
-                                                      : "";
+    return distance(got, own) <= side * few_roundings ? "; that is the face's own texel alone" : "";
+}
+
+/* Names the texel that is mixed with the face's own one, half and half; or "". */
+static const char *other_half(const rk_cubemap *map, rk_vec3 own, rk_vec3 mean, char text[60])
+{
+    const uint32_t side = map->side;
+    rk_vec3 other = narrow(combine(widen(mean), 2, widen(own), -1));
+    for (uint32_t i = 0; i < RK_FACES * side * side; i++) {
+        uint32_t column = i % side, row = i / side % side;
+        rk_cube_face face = (rk_cube_face)(i / side / side);
+        if (distance(*rk_cubemap_texel(map, face, column, row), other) > 2 * side * few_roundings)
+            continue;
+        snprintf(text, 60, "texel (%u, %u) of face %s", column, row, name_of(face));
+        return text;
+    }
+    return "";
+}
+
+static const char *mistake_at_edge(const rk_cubemap *map, rk_vec3 own, rk_vec3 got, rk_vec3 want)
+{
+    static char said[200];
+    char texels[2][60];
+    const char *is_own = is_own_texel(own, got, map->side);
+    if (distance(got, want) <= map->side * few_roundings || *is_own)
+        return is_own;
+    if (!*other_half(map, own, got, texels[0]) || !*other_half(map, own, want, texels[1]))
+        return "";
+    snprintf(said, sizeof said, "; its other half is %s, want %s", texels[0], texels[1]);
+    return said;
 }
 
 static void an_edge_is_the_mean_of_the_two_texels_beside_it(void **state)
@@ -677,11 +814,13 @@ static void an_edge_is_the_mean_of_the_two_texels_beside_it(void **state)
                     double b = edge == below ? -1 : edge == above ? 1 : along;
                     vec d = towards(face, a, b);
                     rk_vec3 got = rk_cubemap_at(&map, narrow(d), RK_CUBEMAP_SEAMLESS);
-                    check_colour(got, mean_of_nearest(&map, d, 2), side * few_roundings,
-                                 "side %u, face %s, middle of texel %u of its %s edge: the mean of "
-                                 "the texels on both sides%s",
-                                 side, cross[face].name, i, edges[edge],
-                                 is_own_texel(&map, d, got, side));
+                    rk_vec3 own = rk_cubemap_at(&map, narrow(d), RK_CUBEMAP_NEAREST);
+                    rk_vec3 want = mean_of_nearest(&map, d, 2);
+                    check_colour_or(got, want, side * few_roundings,
+                                    mistake_at_edge(&map, own, got, want),
+                                    "side %u, face %s, middle of texel %u of its %s edge: the mean "
+                                    "of the texels on both sides",
+                                    side, cross[face].name, i, edges[edge]);
                 }
         rk_cubemap_free(&map);
     }
@@ -701,12 +840,13 @@ static void a_corner_is_the_mean_of_the_three_texels_around_it(void **state)
                 double *component = axis == 0 ? &d.x : axis == 1 ? &d.y : &d.z;
                 *component *= 1 + 0x1p-22;
                 rk_vec3 got = rk_cubemap_at(&map, narrow(d), RK_CUBEMAP_SEAMLESS);
-                check_colour(
+                rk_vec3 own = rk_cubemap_at(&map, narrow(d), RK_CUBEMAP_NEAREST);
+                check_colour_or(
                     got, mean_of_nearest(&map, want, 3), sides[k] * few_roundings,
+                    is_own_texel(own, got, sides[k]),
                     "side %u, corner (%g, %g, %g), on face %s: the mean of the three texels "
-                    "around it%s",
-                    sides[k], want.x, want.y, want.z, name_of(rk_cubemap_place(narrow(d)).face),
-                    is_own_texel(&map, d, got, sides[k]));
+                    "around it",
+                    sides[k], want.x, want.y, want.z, name_of(rk_cubemap_place(narrow(d)).face));
             }
         rk_cubemap_free(&map);
     }
