@@ -228,6 +228,14 @@ static void equidistant_times_are_the_same_for_all_pixels(void **state)
         }
 }
 
+/* A sampler's number for the time of a sample. */
+static double number_of(rk_sampler_kind kind, uint32_t seed, uint32_t pixel, uint32_t sample,
+                        uint32_t samples)
+{
+    const rk_sampler sampler = {kind, seed, samples, 0};
+    return (double)rk_sample_1d(&sampler, pixel, sample, RK_DIMENSION_TIME);
+}
+
 /* Do the first `parts` of `samples` times lie one in each of as many equal parts? */
 static void check_one_in_each_part(rk_time_sampling sampling, uint32_t pixel, uint32_t parts,
                                    uint32_t samples)
@@ -269,20 +277,27 @@ static void check_last_of_most_parts(void)
 static void stratified_times_lie_one_in_each_part(void **state)
 {
     (void)state;
-    check_last_of_most_parts();
     const rk_shutter shutter = {0, 1};
-    for (uint32_t pixel = 0; pixel < 50; pixel++)
-        for (uint32_t samples = 1; samples <= 64; samples++)
-            check_one_in_each_part(RK_TIME_STRATIFIED, pixel, samples, samples);
     /* In order, so that neighbouring pixels see nearly the same scene in sample i. */
     for (uint32_t i = 0; i < 64; i++) {
         double x = (double)rk_shutter_time(&shutter, RK_TIME_STRATIFIED, 3, 7, i, 64);
-        rk_check(x >= i / 64.0 && x <= (i + 1) / 64.0,
-                 "shutter [0, 1], pixel 7, sample %u of 64: got the time %.6f, want one in [%.6f, "
-                 "%.6f]: sample i lies in part i, at a random position there; "
-                 "RK_SAMPLER_STRATIFIED shuffles its parts",
-                 i, x, i / 64.0, (i + 1) / 64.0);
+        rk_check(
+            x >= i / 64.0 && x <= (i + 1) / 64.0,
+            "shutter [0, 1], pixel 7, sample %u of 64: got the time %.6f, want one in [%.6f, "
+            "%.6f]: sample i lies in part i, at a random position there%s",
+            i, x, i / 64.0, (i + 1) / 64.0,
+            rk_mistake_in(
+                x, (i + 0.5) / 64, 0x1p-24,
+                RK_MISTAKES(
+                    {number_of(RK_SAMPLER_STRATIFIED, 3, 7, i, 64),
+                     "RK_SAMPLER_STRATIFIED draws it, which shuffles its parts"},
+                    {number_of(RK_SAMPLER_UNIFORM, 3, 7, i, 64),
+                     "the random number is the position in the whole shutter, not in part i"})));
     }
+    for (uint32_t pixel = 0; pixel < 50; pixel++)
+        for (uint32_t samples = 1; samples <= 64; samples++)
+            check_one_in_each_part(RK_TIME_STRATIFIED, pixel, samples, samples);
+    check_last_of_most_parts();
 }
 
 static void low_discrepancy_times_are_stratified_for_each_power_of_two(void **state)
@@ -293,14 +308,6 @@ static void low_discrepancy_times_are_stratified_for_each_power_of_two(void **st
             check_one_in_each_part(RK_TIME_LOW_DISCREPANCY, pixel, parts, parts);
             check_one_in_each_part(RK_TIME_LOW_DISCREPANCY, pixel, parts, 100);
         }
-}
-
-/* A sampler's number for the time of a sample. */
-static double number_of(rk_sampler_kind kind, uint32_t seed, uint32_t pixel, uint32_t sample,
-                        uint32_t samples)
-{
-    const rk_sampler sampler = {kind, seed, samples, 0};
-    return (double)rk_sample_1d(&sampler, pixel, sample, RK_DIMENSION_TIME);
 }
 
 /* Other dimensions are for positions in the pixel, on the lens, on a light: with one of these,
@@ -456,16 +463,25 @@ static void check_swept_axis(rk_motion motion, rk_shutter shutter, int axis, con
     const double offset[] = {low, high};
     double size = fmax(fabs(at_rest[0]), fabs(at_rest[1])) + fmax(fabs(offset[0]), fabs(offset[1]));
     for (int end = 0; end < 2; end++) {
-        double got = (double)rk_axis(swept->corner[end], axis);
+        const char *side = end ? "highest" : "lowest";
+        double got = (double)rk_axis(swept->corner[end], axis), want = at_rest[end] + offset[end];
         double margin = (end ? 1 : -1) * 0x1p-19 * size;
         /* The result is rounded to a float, so to a sixteenth of the margin. */
-        rk_check_near(
-            got, at_rest[end] + offset[end] + margin, 2 * 0x1p-24 * size,
-            "the path (a, b, c) = (%g, %g, %g), shutter [%g, %g]: the swept box's %s %c, %.9g at "
-            "rest, with offsets from %.9g to %.9g (%s), and a margin of 2^-19 of its terms, %.3g",
-            (double)motion.a, (double)motion.b, (double)motion.c, (double)shutter.open,
-            (double)shutter.close, end ? "highest" : "lowest", "xyz"[axis], at_rest[end], low, high,
-            hint, margin);
+        rk_check_near_or(got, want + margin, 2 * 0x1p-24 * size,
+                         RK_MISTAKES({at_rest[end],
+                                      offset[end] == 0 ? "the margin is missing, or the whole sweep"
+                                                       : "the box is not swept on this axis"},
+                                     {at_rest[end] + offset[!end] + margin,
+                                      end ? "the lowest offset is added to the highest end"
+                                          : "the highest offset is added to the lowest end"},
+                                     {want, "the margin is missing"},
+                                     {want - margin, "the margin makes the box smaller"}),
+                         "the path (a, b, c) = (%g, %g, %g), shutter [%g, %g]: the swept box's %s "
+                         "%c: %.9g at rest, plus the %s of the offsets from %.9g to %.9g (%s), %s "
+                         "a margin of 2^-19 of the terms, %.3g",
+                         (double)motion.a, (double)motion.b, (double)motion.c, (double)shutter.open,
+                         (double)shutter.close, side, "xyz"[axis], at_rest[end], side, low, high,
+                         hint, end ? "plus" : "less", fabs(margin));
     }
 }
 
