@@ -88,6 +88,13 @@ def a_verdict_fits_on_a_screen():
         check(told.count(error) == 1 and told.rstrip().endswith('above; #include "odd.h" declares it'),
               f"a compiler's error is shown once, {'at home' if own else 'in a report'}", told)
         check(("0 of " in told) != own, "with points only in a report: at home nothing was checked", told)
+    error, hint = "x.c:9:2: error: odd", "; a } is missing in f, which begins in line 3"
+    suite = Suite(FEATURE, TESTS, everything, printed=f"{error}\n",
+                  problem=f"does not compile: {error}{hint}")
+    suite.is_own = True
+    told = results.text([suite], "mine", brief=True)
+    check(told.count(error) == 1 and told.rstrip().endswith(f"above{hint}"),
+          "so it is where a brace is missing, with the function's name", told)
     os.environ["COLUMNS"] = "60"
     told = results.text([Suite(FEATURE, TESTS, everything, reason="a long reason " * 20)], "mine", brief=True)
     del os.environ["COLUMNS"]

@@ -286,6 +286,8 @@ def reasons_fit(grader):
         "a missing #include": ("_Bool lone(void);\n_Bool lone(void)\n{\n"
                                "    return rk_mesh_validate(0, \"\", 0);\n}\n",
                                (), '#include "scene/mesh.h" declares it'),
+        "a missing brace": (unit("if (mesh) {"), (),
+                            "; a } is missing in rk_bvh_build_median, which begins in line "),
         "text in UTF-16": (unit().encode("utf-16"), (), "is text in UTF-16; save it in UTF-8"),
         "text in UTF-16 without a mark": (unit().encode("utf-16-le"), (),
                                           "is text in UTF-16; save it in UTF-8"),
@@ -302,6 +304,8 @@ def reasons_fit(grader):
     grader.grade()
     for claim, suite in suites.items():
         check(cases[claim][2] in suite.problem, f"{claim} is called so", suite.problem)
+    told = suites["a missing brace"].verdicts[EMPTY.name].details
+    check(told.count("error: ") == 1, "where a brace is missing, one error is shown of many", told)
     check(not own.problem, "a header of the student's own is used", own.problem)
 
 

@@ -14,7 +14,7 @@ import subprocess
 from grading import sandbox
 from grading import unit_rules
 from grading.assignments import ToolError
-from grading.c_source import line_of, tokens_of
+from grading.c_source import functions_of, line_of, tokens_of
 
 _SECONDS = 60
 _MEGABYTES = 4096
@@ -31,8 +31,9 @@ class BuildError(Exception):
 def without_what_is_shown(reason, shown):
     """Returns the reason without the compiler's error in it, if that was shown in full above."""
     beginning, _, error = reason.partition(": ")
-    error, include, header = error.partition("; #include")
-    return f"{beginning}; the errors are above{include}{header}" if error and error in shown else reason
+    hint = re.search(r"; (#include|a } is missing)|$", error)
+    error, hint = error[:hint.start()], error[hint.start():]
+    return f"{beginning}; the errors are above{hint}" if error and error in shown else reason
 
 
 class Toolchain:
@@ -179,10 +180,30 @@ def _compile(toolchain, unit, folder, arguments):
             name = f"{absent.group(1)}, which {'was not handed in' if toolchain.judges else 'is not there'}"
             raise BuildError(_not_to_include(unit, name), said)
         first = next((line for line in said.splitlines() if "error:" in line), None)
-        reason = f"does not compile: {first}{_header_to_include(toolchain, first)}" if first else (
-            f"{unit.shown} does not compile")
-        raise BuildError(reason, said)
+        brace = _missing_brace(unit, said)
+        hint = brace or first and _header_to_include(toolchain, first)
+        reason = f"does not compile: {first}{hint}" if first else f"{unit.shown} does not compile"
+        raise BuildError(reason, _up_to_second_error(said) if brace else said)
     return said.strip()
+
+
+def _missing_brace(unit, said):
+    """Names the function that is not closed, if that is why the compiler has errors. gcc takes the functions
+    after it for functions within it, and complains of each."""
+    if not re.search(r"error: (invalid storage class for function|function definition is not allowed here"
+                     r"|expected .* at end of input|expected '}')", said):
+        return ""
+    text = _read(unit.path)
+    tokens = tokens_of(text)
+    words, functions = [token.text for token in tokens], functions_of(tokens)
+    if words.count("{") <= words.count("}") or not functions:
+        return ""
+    name, (begin, _) = list(functions.items())[-1]  # all that follow are within it
+    return f"; a }} is missing in {name}, which begins in line {line_of(text, tokens[begin])}"
+
+
+def _up_to_second_error(said):
+    return "".join(re.split(r"^(?=.+: error: )", said, flags=re.MULTILINE)[:2])
 
 
 def _header_to_include(toolchain, error):
