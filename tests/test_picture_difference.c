@@ -77,10 +77,33 @@ static void the_pixel_that_differs_most_is_named_and_brightest(void **state)
     free_all(&p);
 }
 
+static void pixels_are_single_unless_two_touch(void **state)
+{
+    (void)state;
+    for (int dy = -1; dy <= 1; dy++)
+        for (int dx = -2; dx <= 2; dx++) {
+            pictures p = make_grey();
+            rk_image_at(&p.drawn, 2, 1)->x = 1;
+            rk_image_at(&p.drawn, (size_t)(2 + dx), (size_t)(1 + dy))->x = 1;
+            bool want = abs(dx) > 1 || (dx == 0 && dy == 0);
+            rk_check(rk_picture_difference_of(&p.drawn, &p.wanted, &p.shown).are_single == want,
+                     "pixels that differ, %d,%d apart: want them %s", dx, dy,
+                     want ? "single" : "joined");
+            free_all(&p);
+        }
+    /* The last of a row and the first of the next, which memory has side by side. */
+    pictures p = make_grey();
+    rk_image_at(&p.drawn, width - 1, 1)->x = rk_image_at(&p.drawn, 0, 2)->x = 1;
+    rk_check(rk_picture_difference_of(&p.drawn, &p.wanted, &p.shown).are_single,
+             "at the ends of two rows: want them single");
+    free_all(&p);
+}
+
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(equal_pictures_do_not_differ),
     cmocka_unit_test(one_step_of_8_bits_is_no_difference_and_two_are),
     cmocka_unit_test(the_pixel_that_differs_most_is_named_and_brightest),
+    cmocka_unit_test(pixels_are_single_unless_two_touch),
 };
 
 RK_SUITE("picture_difference", tests)

@@ -6,8 +6,9 @@
 #include "base/image.h"
 
 typedef struct rk_picture_difference {
-    size_t pixels; /* that differ */
-    size_t x, y;   /* the one that differs most */
+    size_t pixels;   /* that differ */
+    size_t x, y;     /* the one that differs most */
+    bool are_single; /* no two of them touch, not even at a corner */
 } rk_picture_difference;
 
 /* Pictures of equal size. A channel that is off by one of its 255 steps is not counted: the last
