@@ -22,6 +22,8 @@ import grade  # noqa: E402
 import handout  # noqa: E402
 import hint  # noqa: E402
 import pristine  # noqa: E402
+import start as leading  # noqa: E402
+import watch  # noqa: E402
 from grading import originals, results, verdicts  # noqa: E402
 from grading.assignments import (DEDUCTION, ScoredTest, ToolError, Unit, read_features,  # noqa: E402
                                  read_looks, read_points)
@@ -251,6 +253,26 @@ def ctrl_c_is_quiet_at_any_moment(folder):
     said = make(".", "-n", *targets, f"IMPL={folder}")[1]
     lines = [line for line in said.splitlines() if re.search(r"tools/\w+\.py ", line)]
     check(len(lines) > 3 and all("tools/launch.py" in line for line in lines), "all of them", lines)
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+def what_is_built_has_a_line_of_its_own(folder):
+    write("ready:\n\t@echo '  CC       it.o'\nbroken:\n\t@false\n", folder, "building", "Makefile")
+    with redirect_stdout(Terminal()) as told:
+        screen = watch.Screen()
+        screen.status("save it.c to go on; Ctrl-C ends")
+        leading.make(os.path.join(folder, "building"), "ready", "what checks it", screen)
+    check("Ctrl-C ends\nbuilding what checks it, once ...\n" in told.getvalue(),
+          "what is built is told below the status line", repr(told.getvalue()))
+    with redirect_stdout(Terminal()) as told:
+        screen.status("save it.c to go on; Ctrl-C ends")
+        with contextlib.suppress(ToolError), contextlib.redirect_stderr(sys.stdout):
+            leading.make(os.path.join(folder, "building"), "broken", "it", screen)
+    check("Ctrl-C ends\nmake" in told.getvalue(), "and why it cannot be built", repr(told.getvalue()))
 
 
 def a_dry_run_starts_nothing(folder):
@@ -700,6 +722,8 @@ def what_to_hand_in_is_said(pack):
         status, said = make(pack, command)
         check(status == 0 and f"hand in workbook/{STEM}.c, workbook/{OTHER}.c and workbook/own.h, "
               "nothing else" in said, f"make {command} says at the end what to hand in", said)
+        check(command != "start" or said.startswith(f"looking at what is done so far: {STEM} ...\n"),
+              f"make {command} says at once what it does", said)
     os.unlink(os.path.join(pack, "workbook", "own.h"))
     write(starter, pack, "workbook", OTHER + ".c")
 
@@ -765,6 +789,7 @@ def main():
         progress_names_the_next_claim()
         a_starter_blames_no_needed_unit(folder)
         ctrl_c_is_quiet_at_any_moment(folder)
+        what_is_built_has_a_line_of_its_own(folder)
         a_dry_run_starts_nothing(folder)
         only_what_is_graded_is_made_ready(folder)
         hints_come_one_at_a_time()

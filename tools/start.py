@@ -24,7 +24,7 @@ from watch import Screen
 _REASON = 20  # lines of a build that failed
 
 
-def make(build, target, what):
+def make(build, target, what, screen):
     """Makes what a command needs, on all processors, with a line about it if that takes a while."""
     processors = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     kept = {name: value for name, value in os.environ.items()
@@ -37,8 +37,10 @@ def make(build, target, what):
             said.append(line)
             if not told and line.startswith("  CC "):
                 told = True
+                screen.end_status()
                 print(f"building {what}, once ...", flush=True)
     if process.returncode:
+        screen.end_status()
         print("".join(said[-_REASON:]), end="", file=sys.stderr)
         raise ToolError(f"{what} could not be built; the reason is above")
 
@@ -46,8 +48,8 @@ def make(build, target, what):
 class Course:
     """The assignments that have a file in IMPL, in the course's order."""
 
-    def __init__(self, build, impl, stems):
-        self.build, self.impl, self.toolchain = build, impl, Toolchain(build)
+    def __init__(self, build, impl, stems, screen):
+        self.build, self.impl, self.toolchain, self.screen = build, impl, Toolchain(build), screen
         self._all = read_features(self.toolchain.source)
         self.features = choose(self._all, stems)
         check_impl(self._all, impl, [feature.stem for feature in self.features])
@@ -63,7 +65,8 @@ class Course:
         tests = [test for test in read_points(feature) if test.points]
         if is_starter(find_unit(feature, self.impl)):
             return tests[0]
-        make(self.build, f"grade-ready-{feature.stem}", f"what checks {feature.stem}")
+        self.screen.status(f"looking at what is done so far: {feature.stem} ...")
+        make(self.build, f"grade-ready-{feature.stem}", f"what checks {feature.stem}", self.screen)
         suite = progress_of(self.build, [feature.stem], self.impl)[0][0]
         return next((test for test in suite.tests if not suite.verdicts[test.name].passed), None)
 
@@ -74,6 +77,16 @@ class Course:
     def end(self):
         """Returns what to do when all is done."""
         return hand_in([find_unit(feature, self.impl) for feature in self.features])
+
+    def make_page(self, feature):
+        """Makes what the page of an assignment needs."""
+        make(self.build, f"live-ready-{feature.stem}", f"what {feature.stem} needs", self.screen)
+
+    def show(self, feature):
+        """Prints what to do in an assignment."""
+        lines = self.lines(feature, self.first_claim(feature))
+        self.screen.end_status()
+        print("\n".join(lines), flush=True)
 
     def lines(self, feature, claim):
         """Returns what to do for a claim: its assignment, what to read, which file to edit, how to get a
@@ -97,9 +110,9 @@ def browse(url):
                          stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
 
 
-def work_on(course, feature, server, screen):
+def work_on(course, feature, server):
     """Shows one assignment until the student goes on; returns the next one."""
-    kept, following = make_folder(), []
+    kept, following, screen = make_folder(), [], course.screen
 
     def judged(verdict):
         if not verdict.startswith("ok"):
@@ -118,9 +131,10 @@ def work_on(course, feature, server, screen):
         with private_folder(course.toolchain) as folder:
             loop = live_loop.Loop(course.toolchain, feature, course.impl, "", folder)
             server.show(loop)
+            screen.status(f"checking {feature.stem} ...")
             loop.run(live_loop.grader_of(feature.stem, course.build, course.impl, kept), kept, judged)
             loop.tell(begins=[f"building what {following[0].stem} needs"])
-            make(course.build, f"live-ready-{following[0].stem}", f"what {following[0].stem} needs")
+            course.make_page(following[0])
     finally:
         shutil.rmtree(kept, ignore_errors=True)
     return following[0]
@@ -130,17 +144,18 @@ def start(course, first):
     """Goes through the assignments, from this one on."""
     feature = course.chosen(first) if first else course.next()
     if not feature:
+        course.screen.end_status()
         print("all assignments have all their points; make start-STEM shows one again")
         print(course.end())
         return
-    print("\n".join(course.lines(feature, course.first_claim(feature))), flush=True)
-    make(course.build, f"live-ready-{feature.stem}", f"what {feature.stem} needs")
-    server, screen = live_loop.Server(), Screen()
+    course.show(feature)
+    course.make_page(feature)
+    server = live_loop.Server()
     print(f"    page  {server.url}", flush=True)
     browse(server.url)
     while True:
-        feature = work_on(course, feature, server, screen)
-        print("\n".join(["", *course.lines(feature, course.first_claim(feature))]), flush=True)
+        feature = work_on(course, feature, server)
+        course.show(feature)
 
 
 def main():
@@ -151,15 +166,17 @@ def main():
     parser.add_argument("--first", default="", metavar="STEM", help="default: the first that is not done")
     arguments = parser.parse_args()
     stop_on_signals()
-    build = os.path.abspath(arguments.build)
+    build, screen = os.path.abspath(arguments.build), Screen()
     os.environ.setdefault("RAYKIT_TEST_SECONDS", live_loop.TEST_SECONDS)
     try:
         stems = [arguments.first] if os.path.isfile(arguments.impl) and arguments.first else arguments.stems
-        start(Course(arguments.build, arguments.impl, stems), arguments.first)
+        start(Course(arguments.build, arguments.impl, stems, screen), arguments.first)
     except ToolError as error:
+        screen.end_status()
         print(f"start: {error}", file=sys.stderr)
         return 1
     except OSError as error:
+        screen.end_status()
         print(f"start: {cause_of(error, build)}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:

@@ -70,12 +70,13 @@ class Screen:
     """A terminal shows one verdict and a status line; other output gets one verdict after the other."""
 
     def __init__(self):
-        self._is_terminal = sys.stdout.isatty()
+        self._is_terminal, self._has_status = sys.stdout.isatty(), False
 
     def status(self, text):
         """Replaces the line below the verdict."""
         if self._is_terminal:
             print(f"\r\033[K{text}", end="", flush=True)
+            self._has_status = True
         else:
             print(text, flush=True)
 
@@ -86,6 +87,13 @@ class Screen:
             text = re.sub("^FAIL ", "\033[31mFAIL\033[m ", text, flags=re.M)
             text = "\033[H\033[2J\033[3J" + text
         print(text, end="", flush=True)
+        self._has_status = False
+
+    def end_status(self):
+        """Keeps the status line, so that what follows begins a line."""
+        if self._has_status:
+            print(flush=True)
+        self._has_status = False
 
 
 def watch(command, impl):
