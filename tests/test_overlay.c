@@ -254,18 +254,52 @@ static void lines_behind_the_viewer_are_clipped(void **state)
     free_canvas(c);
 }
 
+/* Seen along z the near face is drawn as a square, and the far one within it. */
+static const rk_box cube = {{{-0.5f, -0.5f, -0.5f}, {0.5f, 0.5f, 0.5f}}};
+
 static void a_wireframe_has_twelve_edges(void **state)
 {
     (void)state;
-    /* Seen along z the near face is drawn as a square, and the far one within it. */
     canvas *c = make_canvas(test_scene_make(0), 200, 200);
-    rk_box box = {{rk_vec(-0.5f, -0.5f, -0.5f), rk_vec(0.5f, 0.5f, 0.5f)}};
-    rk_overlay_wireframe(&c->overlay, &box, white, 1);
+    rk_overlay_wireframe(&c->overlay, &cube, white, 1);
     double pixel = (double)c->overlay.view.pixel;
     double near = 1 / 2.5 / pixel, far = 1 / 3.5 / pixel;
     double length = 4 * near + 4 * far + 4 * (near - far) / sqrt(2);
     /* Edges overlap by about a pixel at each of eight corners. */
     rk_check_close(sum_of_red(c), length, 0.03 * length, "four near edges, four far, four between");
+    free_canvas(c);
+}
+
+/* Otherwise edges would cover what a small picture shows. */
+static void edges_take_the_same_share_of_pictures_of_all_sizes(void **state)
+{
+    (void)state;
+    const uint32_t sizes[][2] = {{800, 800}, {128, 128}, {512, 512}, {1600, 1600}, {512, 320}};
+    double share[5];
+    for (int i = 0; i < 5; i++) {
+        canvas *c = make_canvas(test_scene_make(0), sizes[i][0], sizes[i][1]);
+        rk_overlay_wireframe(&c->overlay, &cube, white, 8);
+        /* What is seen depends on the height, as the field of view does. */
+        share[i] = sum_of_red(c) / ((double)sizes[i][1] * (double)sizes[i][1]);
+        free_canvas(c);
+    }
+    /* Coverage is a sum over pixels, not an integral: good to 1 %. */
+    for (int i = 1; i < 5; i++)
+        rk_check_near(share[i] / share[0], 1, 0.01, "at %u x %u pixels", sizes[i][0], sizes[i][1]);
+}
+
+static void edges_of_small_pictures_are_a_pixel_wide(void **state)
+{
+    (void)state;
+    const float widths[] = {1, 1.5f, 3};
+    canvas *c = make_canvas(test_scene_make(0), 128, 128);
+    double area[3];
+    for (int i = 0; i < 3; i++) {
+        wipe(c);
+        rk_overlay_wireframe(&c->overlay, &cube, white, widths[i]);
+        area[i] = sum_of_red(c);
+        rk_check_near(area[i], area[0], 0, "width %g, against 1", (double)widths[i]);
+    }
     free_canvas(c);
 }
 
@@ -492,6 +526,8 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_line_into_the_depth_is_hidden_from_where_it_enters),
     cmocka_unit_test(lines_behind_the_viewer_are_clipped),
     cmocka_unit_test(a_wireframe_has_twelve_edges),
+    cmocka_unit_test(edges_take_the_same_share_of_pictures_of_all_sizes),
+    cmocka_unit_test(edges_of_small_pictures_are_a_pixel_wide),
     cmocka_unit_test(a_glass_box_blends_its_far_and_its_near_face),
     cmocka_unit_test(from_within_a_glass_box_only_its_far_face_is_visible),
     cmocka_unit_test(a_surface_hides_the_faces_behind_it),

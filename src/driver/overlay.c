@@ -196,11 +196,14 @@ static rk_vec3 box_corner(const rk_box *box, int i)
 
 void rk_overlay_wireframe(rk_overlay *overlay, const rk_box *box, rk_vec3 colour, float width)
 {
+    enum { usual_height = 800 };
+    float scaled = width * (float)overlay->image->height / usual_height;
+    float pixels = rk_max(scaled, rk_min(width, 1)); /* thinner edges would fade */
     for (int i = 0; i < 8; i++)
         for (int axis = 1; axis < 8; axis <<= 1)
             if (!(i & axis))
                 rk_overlay_line(overlay, box_corner(box, i), box_corner(box, i | axis), colour,
-                                width);
+                                pixels);
 }
 
 /* --- By the pixels' rays --------------------------------------------------------------------- */

@@ -29,7 +29,8 @@ void rk_overlay_shadow_ray(rk_overlay *overlay, rk_vec3 from, rk_vec3 to, bool o
 /* A disk that faces the viewer; `radius`: pixels. */
 void rk_overlay_point(rk_overlay *overlay, rk_vec3 point, rk_vec3 colour, float radius);
 
-/* The twelve edges of a box. */
+/* The twelve edges of a box; `width`: pixels of a picture 800 pixels high, and scaled to this one.
+ * At least one pixel, unless `width` is less. */
 void rk_overlay_wireframe(rk_overlay *overlay, const rk_box *box, rk_vec3 colour, float width);
 
 /* A box of coloured glass: its far and then its near faces are blended with opacity `alpha`. */
