@@ -233,14 +233,19 @@ class Loop:
         return next((str(claim["step"]) for claim in self.known["broken"] if claim["step"]), "")
 
     def _take_claims(self, claims, seconds):
-        """Tells the grader's verdict, with the hints to the step of the first broken claim; returns whether a
-        further picture is to be drawn."""
+        """Tells the grader's verdict, with the hints to the step of the first broken claim."""
         step = self._first_step()
         self.tell(ends="checking the claims", claims=claims, seconds=seconds, hints=self._hints.get(step, []),
                   read=self._page_to_read())
         if step and not self._is_step_chosen:
             self._tell_task(int(step))  # which may have no picture of its own
-        return bool(step or claims.startswith("ok")) and not self._loops_forever() and self._follow(step)
+
+    def _go_on(self):
+        """Turns to the picture of the first broken claim, once that of the step before is seen; returns
+        whether it is another."""
+        step = self._first_step()
+        return (bool(step or self.known["claims"].startswith("ok")) and not self._loops_forever()
+                and self._follow(step))
 
     def _page_to_read(self):
         """Returns the server's address of the section for the first broken claim, "" without a book."""
@@ -274,7 +279,7 @@ class Loop:
         """Draws and checks at once and after every save, until interrupted. `judged` is called with each
         verdict; it returns the name of the next assignment once this one is done, and the loop ends when the
         student goes on to that."""
-        seen, check, picture, record = None, None, None, os.path.join(kept, "claims")
+        seen, check, picture, is_judged, record = None, None, None, False, os.path.join(kept, "claims")
         try:
             while True:
                 now = state(self._impl)
@@ -288,7 +293,7 @@ class Loop:
                     self.tell(begins=("drawing", "checking the claims"), failed="", held=0, broken=[],
                               drawn=False, same=False,
                               compared="", says="", passed="", next="")
-                    check, picture = Check(grader), Picture(self)
+                    check, picture, is_judged = Check(grader), Picture(self), False
                 elif self.asked is not None:
                     if self.look_asked():
                         picture.end()
@@ -299,13 +304,15 @@ class Loop:
                     if _changed_at(record) != before:
                         self._tell_claims_of(record)
                     check.end()
-                    check = None
-                    if self._take_claims(claims, round(time.monotonic() - saved, 1)):
-                        picture.end()
-                        self.tell(begins=["drawing"])
-                        picture = Picture(self)
+                    check, is_judged = None, True
+                    self._take_claims(claims, round(time.monotonic() - saved, 1))
                     if judged:
                         self.tell(next=judged(claims))
+                elif is_judged and picture.is_over():
+                    is_judged = False
+                    if self._go_on():
+                        self.tell(begins=["drawing"])
+                        picture = Picture(self)
                 elif check and _changed_at(record) != before:
                     self._tell_claims_of(record)
                     if self._loops_forever() and not picture.is_over() and time.monotonic() - saved > _SOON:
