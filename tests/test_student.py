@@ -554,6 +554,23 @@ def kit_files_are_put_back(pack):
     os.unlink(place + ".edited")
 
 
+def a_file_in_the_wrong_place_is_told(pack):
+    place = os.path.join(pack, "src", "features", STEM + ".c")
+    write("int mine;\n", place)
+    for command in (f"draw-{STEM}", f"driver-{STEM}", f"diff-{STEM}", "start"):
+        status, said = make(pack, command)
+        check(status != 0 and "make pristine" in said and "Traceback" not in said,
+              f"make {command} says how to put an overwritten file back", said)
+    make(pack, "pristine")
+    os.unlink(place + ".edited")
+    mine = os.path.join(pack, "workbook", OTHER + ".c")
+    os.rename(mine, mine + ".away")
+    status, said = make(pack, "start")
+    check(status != 0 and f"there is no workbook/{OTHER}.c; make workbook" in said and "points" not in said,
+          "make start does not forget a file that was removed", said)
+    os.rename(mine + ".away", mine)
+
+
 def editors_find_headers(pack):
     compiler = Toolchain(".").compiler
     for folder in ("", "workbook"):
@@ -808,7 +825,8 @@ def main():
                      the_debugger_stops_where_arguments_are, editors_find_headers,
                      a_folder_that_is_read_only_is_told, git_keeps_sources,
                      a_renamed_file_stops_the_check, start_leads_through_the_course,
-                     the_pack_is_solved, kit_files_are_put_back):
+                     the_pack_is_solved, kit_files_are_put_back,
+                     a_file_in_the_wrong_place_is_told):
             part(pack)
     finally:
         shutil.rmtree(folder, ignore_errors=True)

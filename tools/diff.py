@@ -5,7 +5,7 @@ import difflib
 import sys
 
 from grading.assignments import Parser, ToolError, check_impl, choose, find_unit, missing_unit, read_features
-from grading.starters import RegionError, starter_of
+from grading.starters import starter_of
 
 
 def difference(source, stem, impl):
@@ -45,7 +45,7 @@ def main():
     arguments = parser.parse_args()
     try:
         lines, sentence = difference(arguments.source, arguments.stem, arguments.impl)
-    except (ToolError, RegionError) as error:
+    except ToolError as error:
         print(f"diff: {error}", file=sys.stderr)
         return 1
     try:

@@ -24,7 +24,7 @@ from grade import stop_on_signals
 from handout_text import as_packed, handout_of, with_built_drivers
 from grading.leak_check import prove
 from grading.originals import keep_originals
-from grading.starters import RegionError, handed_out_of, left_open_of, starter_of
+from grading.starters import handed_out_of, left_open_of, starter_of
 from grading.results import write_whole
 from grading.workbook_files import workbook_files
 
@@ -378,7 +378,7 @@ def main():
             raise ToolError(f"BOOK={arguments.book}: choose yes or no")
         print("\n".join(make_handout(arguments.source, arguments.stems, arguments.out, arguments.dir,
                                      arguments.book != "no", arguments.later)))
-    except (ToolError, RegionError) as error:
+    except ToolError as error:
         print(f"handout: {error}", file=sys.stderr)
         return 1
     except OSError as error:

@@ -11,8 +11,8 @@ import sys
 import live_loop
 from drivers import private_folder
 from grade import stop_on_signals
-from grading.assignments import (Parser, ToolError, cause_of, check_impl, choose, find_unit, read_features,
-                                 read_points)
+from grading.assignments import (Parser, ToolError, cause_of, check_impl, choose, find_unit,
+                                 missing_unit, read_features, read_points)
 from grading.build import Toolchain
 from grading.private_copy import make_folder
 from grading.results import command_of
@@ -53,7 +53,11 @@ class Course:
         self._all = read_features(self.toolchain.source)
         self.features = choose(self._all, stems)
         check_impl(self._all, impl, [feature.stem for feature in self.features])
-        self.features = [feature for feature in self.features if find_unit(feature, impl).path]
+        missing = [feature for feature in self.features if not find_unit(feature, impl).path]
+        if missing and self.toolchain.handed_out:
+            raise missing_unit(missing[0], impl)
+        self.features = [feature for feature in self.features if feature not in missing]
+        self.note = f"; {missing_unit(missing[0], impl)}" if missing else ""
 
     def chosen(self, stem):
         """Returns the assignment of this name."""
@@ -145,7 +149,8 @@ def start(course, first):
     feature = course.chosen(first) if first else course.next()
     if not feature:
         course.screen.end_status()
-        print("all assignments have all their points; make start-STEM shows one again")
+        which = "the assignments here" if course.note else "all assignments"
+        print(f"{which} have all their points; make start-STEM shows one again{course.note}")
         print(course.end())
         return
     course.show(feature)

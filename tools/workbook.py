@@ -13,7 +13,7 @@ import sys
 from grading.assignments import Parser, ToolError, cannot_write, choose, read_features
 from handout_text import as_in_workbook, handout_of
 from grading.originals import has_originals
-from grading.starters import RegionError, starter_of
+from grading.starters import starter_of
 from grading.results import write_whole
 from grading.workbook_files import workbook_files
 
@@ -148,7 +148,7 @@ def main():
     arguments = parser.parse_args()
     try:
         print("\n".join(make_workbook(arguments.source, arguments.folder, arguments.stems)))
-    except (ToolError, RegionError) as error:
+    except ToolError as error:
         print(f"workbook: {error}", file=sys.stderr)
         return 1
     except OSError as error:

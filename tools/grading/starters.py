@@ -14,12 +14,20 @@ open are errors with file and line. In a pack for students the file has only its
 """
 
 import itertools
+import os
 import re
-import sys
+
+from grading.assignments import ToolError
+from grading.originals import has_originals
 
 
-class RegionError(Exception):
+class RegionError(ToolError):
     """A marker out of place; the text names file and line."""
+
+    def __init__(self, path, said):
+        pack = os.path.join(os.path.dirname(os.path.abspath(path)), "..", "..")
+        remedy = "; make pristine puts the original back" if has_originals(pack) else ""
+        super().__init__(path + said + remedy)
 
 
 MARKER = re.compile(r"^\s*(/\* solution \*/|/\* starter|end \*/"
@@ -48,7 +56,7 @@ def read_regions(path):
             if (state, marker) not in _BECOMES:
                 expected = next(follows for begun, follows in _BECOMES if begun == state)
                 raise RegionError(
-                    f"{path}:{number}: \"{marker}\" stands where \"{expected}\" should come"
+                    path, f":{number}: \"{marker}\" stands where \"{expected}\" should come"
                     + (f" (the region began in line {opened})" if opened else "")
                 )
             opened = number if state == "common" else opened
@@ -57,9 +65,9 @@ def read_regions(path):
             kinds.append(("marker", line))
     if state != "common":
         expected = next(follows for begun, follows in _BECOMES if begun == state)
-        raise RegionError(f"{path}:{opened}: this region has no \"{expected}\"")
+        raise RegionError(path, f":{opened}: this region has no \"{expected}\"")
     if not any(kind == "starter" for kind, _ in kinds):
-        raise RegionError(f"{path}:1: no region is marked for students to solve")
+        raise RegionError(path, ":1: no region is marked for students to solve")
     return kinds
 
 
@@ -124,7 +132,7 @@ def solved_until(path, step, decides=min):
         elif line.strip() == "end */":
             named = _steps_named("".join(starter))
             if not named:
-                raise RegionError(f"{path}: a starter names no step; "
+                raise RegionError(path, ": a starter names no step; "
                                   "begin its comment with \"First step: ...\"")
             text += solution if decides(named) <= step else starter
             solution, starter = [], []
@@ -164,19 +172,3 @@ def solution_lines(path):
     common = {line.strip() for kind, line in regions if kind in ("common", "starter")}
     lines = {line.strip() for kind, line in regions if kind == "solution"}
     return {line for line in lines - common if len(line) >= 20}
-
-
-def main():
-    if len(sys.argv) != 2 or sys.argv[1].startswith("-"):
-        print("usage: starters.py FEATURE.c     prints the starter", file=sys.stderr)
-        return 2
-    try:
-        sys.stdout.write(starter_of(sys.argv[1]))
-    except (RegionError, OSError) as error:
-        print(f"regions: {error}", file=sys.stderr)
-        return 1
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
