@@ -13,11 +13,13 @@ import subprocess
 import sys
 import tempfile
 from contextlib import redirect_stdout
+from unittest import mock
 
 SOURCE = os.path.abspath(os.environ.get("srcdir", "."))
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(SOURCE, "tools"))
 
+import draw  # noqa: E402
 import grade  # noqa: E402
 import handout  # noqa: E402
 import hint  # noqa: E402
@@ -181,6 +183,23 @@ def added_files_are_named(folder):
         run(pack, "sh", "-c", command)
     check(originals.added_files(pack) == [] and len(os.listdir(os.path.join(pack, "moved"))) == len(added),
           "the commands of make pristine move it away", told)
+
+
+def a_picture_is_praised_only_while_claims_hold():
+    check(draw._PRAISE in read(SOURCE, "src", "driver", "driver_save.c"), "the driver's praise is known")
+    for failed, wanted in (
+            (("odd", "3"), f"\na claim of step 3 fails: odd (make check-{STEM} IMPL=x.c)\n6.png: the "),
+            (("", ""), f"\n6.png: {draw._PRAISE}the picture")):
+        told = f"6.png: {draw._PRAISE}the picture differs"
+        with contextlib.ExitStack() as stack:
+            for name, value in (("_driver", ("driver", "driver")), ("_draw_both", told), ("_unsolved", [])):
+                stack.enter_context(mock.patch.object(draw, name, return_value=value))
+            stack.enter_context(mock.patch.object(draw.last_check, "read", return_value=failed))
+            said = stack.enter_context(redirect_stdout(io.StringIO()))
+            draw.draw(Toolchain("."), "x.c", STEM, "6")
+        check(wanted in said.getvalue(),
+              "a picture is as good as it can be only while no claim fails, which is told first",
+              said.getvalue())
 
 
 def nothing_waits_for_a_test_that_is_not_there(folder):
@@ -805,6 +824,7 @@ def main():
         what_is_printed_is_shown()
         progress_names_the_next_claim()
         a_starter_blames_no_needed_unit(folder)
+        a_picture_is_praised_only_while_claims_hold()
         ctrl_c_is_quiet_at_any_moment(folder)
         what_is_built_has_a_line_of_its_own(folder)
         a_dry_run_starts_nothing(folder)

@@ -26,6 +26,7 @@ from grading.starters import unsolved_steps
 SIDE = 128  # of a square picture; others are as large
 SECONDS = 120  # of processor time, four times what the slowest picture takes on an old laptop
 SILENT = 5  # seconds by the clock
+_PRAISE = "as good as it can be here, if all your claims hold: "  # of src/driver/driver_save.c
 _MOST_BYTES = 15 << 10  # a pack holds some forty of them
 
 
@@ -123,14 +124,14 @@ def _draw_both(driver, path, look, unsolved):
                  "--compare", wanted], path, stdout=subprocess.PIPE, text=True, errors="replace")
 
 
-def _unseen(toolchain, feature, impl, look):
-    """Names a claim of the steps up to this one that failed when this text of the unit was checked."""
+def _broken(toolchain, feature, impl, look):
+    """Names a claim of the steps up to this one that failed when this text of the unit was checked, "" for
+    none."""
     claim, step = (last_check.read(toolchain.build, feature, impl) if impl else None) or ("", "")
     if not claim or not step.isdigit() or int(step) > look.step:
         return ""
     whose = f" of step {step}" if int(step) else ""
-    return (f"; it does not show that a claim{whose} fails: {claim} "
-            f"({command_of('check', feature, impl)})")
+    return f"a claim{whose} fails: {claim} ({command_of('check', feature, impl)})"
 
 
 def draw(toolchain, impl, stem, step):
@@ -144,7 +145,12 @@ def draw(toolchain, impl, stem, step):
         unsolved = _unsolved(feature, impl)
         compared = _draw_both(driver, path, look, unsolved).rstrip("\n")
     is_same = ": the picture is the same" in compared and look.step not in unsolved
-    print(compared + (_unseen(toolchain, feature, impl, look) if is_same else ""))
+    broken = _broken(toolchain, feature, impl, look)
+    if broken and is_same:
+        compared += f"; it does not show that {broken}"
+    elif broken and _PRAISE in compared:
+        compared = f"{broken}\n{compared.replace(_PRAISE, '')}"
+    print(compared)
     if look.step in unsolved:
         print(f"step {look.step} is still the starter, however the picture looks; "
               f"its claims decide: {command_of('check', feature, impl)}")
