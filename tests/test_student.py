@@ -437,6 +437,19 @@ def warnings_tell_of_mistakes_alone(pack):
     check(said.count("'p.size' may be used uninitialized") == 1 and
           said.index("uninitialized") < said.index("first:"),
           "a member that is set on some ways only is named, once", said)
+    misled = ("int odd(int a);\nint odd(int a)\n{\n    for (; a > 9; a /= 2)\n        a--;\n        a -= 2;\n"
+              "    while (a > 1);\n        a--;\n    return a;\n}\n")
+    plainly = misled.replace("\n        a -= 2;", "\n    a -= 2;").replace("a > 1);", "a > 1)")
+    reports = []
+    for text in (plainly, misled):
+        write(unit + text, pack, "workbook", OTHER + ".c")
+        reports.append(make(pack, f"check-{OTHER}")[1])
+    first, second = (f"{OTHER}.c:{unit.count(chr(10)) + line}:" for line in (4, 7))
+    check("warning" not in reports[0] and reports[1].endswith(reports[0]),
+          "what is indented well has no warning, and the verdict is the same", "\n".join(reports))
+    check(first in reports[1] and second in reports[1] and reports[1].count("warning: ") == 2,
+          "a statement that is indented as if a loop held it is told, once, and so is a loop of nothing",
+          reports[1])
     write(unit, pack, "workbook", OTHER + ".c")
 
 

@@ -125,11 +125,33 @@ def compile_unit(toolchain, unit, folder, extra_flags=()):
                  [*flags, "-g0", "-E", "-MD", "-MF", listing, unit.path, "-o", source])
         _check_included(toolchain, unit, listing)
         _refuse(unit, unit_rules.fault_in_source(_read(source), lambda name: _with_line(unit, name)))
-    warnings = _assemble(toolchain, unit, folder, [*flags, "-S", source], base)
+    with concurrent.futures.ThreadPoolExecutor(1) as pool:
+        is_at_home = not unit.is_reference and not toolchain.judges
+        layout = pool.submit(_about_layout, toolchain, unit, folder, flags) if is_at_home else None
+        warnings = _assemble(toolchain, unit, folder, [*flags, *(_NO_LAYOUT if layout else []), "-S", source],
+                             base)
+    if layout:
+        warnings = "\n".join(filter(None, [layout.result(), warnings]))
     if not unit.is_reference:
         _refuse(unit, unit_rules.fault_in_assembly(_read(base + ".s")))
     _compile(toolchain, unit, folder, [*flags, "-c", base + ".s", "-o", base + ".o"])
     return base + ".o", warnings
+
+
+_LAYOUT = "misleading-indentation", "empty-body"
+_NO_LAYOUT = [f"-Wno-{name}" for name in _LAYOUT]
+
+
+def _about_layout(toolchain, unit, folder, flags):
+    """Returns the compiler's warnings about indentation, which it has for the file itself only: gcc does not
+    see the layout of preprocessed text. Others are left out, because it gives some without being asked."""
+    command = [*toolchain.compiler, *(flag for flag in flags if not flag.startswith(("-W", "-fsanitize"))),
+               *(f"-W{name}" for name in _LAYOUT), "-fsyntax-only", unit.path]
+    said = plain(toolchain, unit, _run_tool(toolchain, command, folder).output)
+    said = re.sub(r"^(.*: In function .*:|\d+ warnings? generated\.)\n", "", said, flags=re.MULTILINE)
+    findings = re.split(r"^(?=.+: (?:warning|error): )", said, flags=re.MULTILINE)
+    return "".join(text for text in findings
+                   if re.match(rf".+\[-W({'|'.join(_LAYOUT)})\]\n", text)).strip()
 
 
 def _assemble(toolchain, unit, folder, arguments, base):
