@@ -386,8 +386,12 @@ async function loop_shows_each_save(browser, lint) {
     check(unfinished && /unfinished/.test(unfinished.failed) && !unfinished.drawn && unfinished.pictures.own,
       "a unit that does not compile leaves the last picture, and does not call it this save's", JSON.stringify(unfinished));
     fs.writeFileSync(unit, solution.replace(/^rk_vec3 rk_shade\([^{]*\{/m, "$&\n    for (volatile int i = 1; i; i = 1)\n        ;"));
-    const endless = await told(url, (known) => known.busy.includes("checking") && known.broken.some((claim) => /did not end within .* when it passed/.test(claim.reason)));
-    check(endless && endless.held + endless.broken.length < endless.of, "an endless loop is told soon where claims passed before, while others are still checked", JSON.stringify(endless));
+    const endless = await told(url, (known) => known.busy.includes("checking") && known.late.some((claim) => /^still running after .* s \(it took .* s before\): perhaps an endless loop$/.test(claim.reason)));
+    check(endless && endless.held + endless.broken.length + endless.late.length < endless.of, "an endless loop is told soon where claims passed before, while others are still checked", JSON.stringify(endless));
+    const slow = "for (volatile int i = 0; kd.z == 1e-10f && i < 1500000000; i++)\n        ;"; // in a call of one claim
+    fs.writeFileSync(unit, solution.replace(/^rk_vec3 rk_shade\([^{]*\{/m, `$&\n    ${slow}`));
+    const late = await told(url, (known) => known.drawn && !known.busy);
+    check(late && /^ok/m.test(late.claims) && late.held === late.of && !late.late.length, "a unit that is much slower than before, but right, is right", JSON.stringify(late));
     const {hostname, port} = new URL(url);
     const status = await new Promise((resolve) => http.get({hostname, port, path: "/events", headers: {Host: "elsewhere.example"}},
       (answer) => resolve(answer.statusCode)));

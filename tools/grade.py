@@ -41,6 +41,7 @@ from grading.verdicts import Verdict, judge, judge_kept_data, judge_leaks, make_
 
 MEGABYTES = 2048  # the suites stay below 300 with the sanitizers
 REASON_MAX = 500  # characters; a unit can write a reason of its own
+SOON = 3  # seconds; with a record, what takes longer is run again after all others
 TIMEOUTS = 2  # so many tests of a suite may take all their time; the others then get a part of it
 DECOYS = 8  # so many passed claims of a suite run again with an end that cannot hold
 
@@ -117,16 +118,19 @@ class Suite:
             verdict.timed_out = timed_out is True
             self.verdicts[test.name] = verdict
 
-    def limit_of_next_test(self, seconds, usual=None):
+    def first_limit(self, usual):
+        """Returns the seconds after which a claim is left until the others have run: five times as many as
+        it took when it last passed, and some more, so that an endless loop shows soon."""
+        is_late = sum(verdict.timed_out for verdict in list(self.verdicts.values())) >= TIMEOUTS
+        if usual is None:
+            return SOON / 5 if is_late else SOON
+        return 5 * usual + (0.2 if is_late else 1)
+
+    def limit_of_next_test(self, seconds):
         """Returns the limit for the next test, and a phrase for it: short after two that took all of
-        theirs, but three times as long as those that passed. One that took `usual` seconds when it last
-        passed gets five times as many and some more: an endless loop shows soon, and a slower unit may still
-        be right."""
+        theirs, but three times as long as those that passed."""
         verdicts = list(self.verdicts.values())
-        is_late = sum(verdict.timed_out for verdict in verdicts) >= TIMEOUTS
-        if usual is not None and (ample := 5 * usual + (0.2 if is_late else 1)) < seconds:
-            return ample, f"{ample:.2g} s (it took {usual:.2g} s when it passed)"
-        if not is_late:
+        if sum(verdict.timed_out and not verdict.is_open for verdict in verdicts) < TIMEOUTS:
             return seconds, f"{seconds:g} seconds"
         slowest = max((verdict.seconds for verdict in verdicts if verdict.passed), default=0)
         # At home the others are only waited for so long that the student sees which hold.
@@ -259,14 +263,20 @@ def _is_apart(suite, name):
     return suite.unit_program and name not in suite.claims_together
 
 
-def run_test(toolchain, suite, test, seconds, megabytes, usual=None):
-    """Runs one scored test and returns its Verdict. `usual` is how long it took when it last passed, None if
-    unknown."""
-    limit, phrase = suite.limit_of_next_test(seconds, usual)
+def run_test(toolchain, suite, test, seconds, megabytes, record=None):
+    """Runs one scored test and returns its Verdict. With a record it is left open if it takes much longer
+    than before: a slower unit may be right, and waiting for an endless loop would hold up the others."""
+    usual = record and record.usual(test.name)
+    soon = suite.first_limit(usual) if record else seconds
+    limit, phrase = (soon, "") if soon < seconds else suite.limit_of_next_test(seconds)
     outcome = _run(toolchain, suite, test.name, limit, megabytes)
     program = suite.unit_program if _is_apart(suite, test.name) else suite.program
     outcome.output = build.plain(toolchain, suite.unit, _with_lines(toolchain, program, outcome.output))
     verdict = judge(outcome, suite, test.name, phrase, megabytes)
+    if verdict.timed_out and not phrase:
+        before = f" (it took {usual:.2g} s before)" if usual is not None else ""
+        verdict.is_open = True
+        verdict.reason = f"still running after {soon:.2g} s{before}: perhaps an endless loop"
     if len(verdict.reason) > REASON_MAX:
         verdict.reason = verdict.reason[:REASON_MAX] + " ..."
     return verdict
@@ -343,12 +353,13 @@ def _run_decoys(toolchain, suite, count, seconds, megabytes):
 def grade(toolchain, suites, units, seconds, megabytes=MEGABYTES, progress=None, decoys=DECOYS, record=None):
     """Builds all suites, then runs them, on all processors, with `units` for what they need beside
     their own; fills in their verdicts. All are built before any unit runs, and so could meddle.
-    `progress` is called with the numbers of tests that ran and will run. A Record chooses the order."""
+    `progress` is called with the numbers of tests that ran and will run. A Record chooses the order, and
+    what it leaves open runs again, after all others, as without it."""
     workers = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
 
-    def run_into(suite, test):
+    def run_into(suite, test, is_again=False):
         suite.verdicts[test.name] = run_test(toolchain, suite, test, seconds, megabytes,
-                                             record and record.usual(test.name))
+                                             None if is_again else record)
         if record:
             record.add(test.name, suite.verdicts[test.name])
 
@@ -372,6 +383,11 @@ def grade(toolchain, suites, units, seconds, megabytes=MEGABYTES, progress=None,
             if progress:
                 progress(0, len(runs))
             finish([pool.submit(run_into, suite, test) for suite, test in runs], progress)
+            left_open = [(suite, test) for suite in built for test in suite.claims()
+                         if suite.verdicts[test.name].is_open]
+            for suite, test in left_open:
+                del suite.verdicts[test.name]
+            finish([pool.submit(run_into, suite, test, True) for suite, test in left_open])
             for suite in built:
                 _judge_leaks(suite)
             finish([pool.submit(_run_decoys, toolchain, suite, decoys, seconds, megabytes)
@@ -491,7 +507,7 @@ class Record:
 
     def add(self, name, verdict):
         claim = {"name": name, **{key: getattr(verdict, key)
-                                  for key in ("passed", "seconds", "reason", "place")}}
+                                  for key in ("passed", "seconds", "reason", "place", "is_open")}}
         with self._lock:
             with open(self._path, "a", encoding="utf-8") as file:
                 file.write(json.dumps(claim) + "\n")

@@ -26,12 +26,11 @@ from grading.build import Toolchain
 from grading.private_copy import make_folder
 from grading.processor_time import limited
 from handout_text import handout_of, task_of
-from watch import Check, command_of_tool, state
+from watch import Check, changed_at, claims_in, command_of_tool, state
 
 _LOOK_SECONDS = 0.05
 _PATIENCE = 20  # seconds of processor time for a picture, of 400 x 400 pixels and few samples
 _SOON = 3  # seconds in which most pictures are drawn
-TEST_SECONDS = "3"  # for a claim, unless the student allows more: an endless loop should be told soon
 _SIDE = 400  # of a picture, as large as the page shows it
 _TOOLS = os.path.dirname(os.path.abspath(__file__))
 
@@ -120,8 +119,9 @@ class Loop:
         self.files, self.changed, self._doing = {}, threading.Condition(), set()
         self.known = {"version": 0, "stem": feature.stem, "claims": "", "busy": "", "says": "", "failed": "",
                       "hints": [],
-                      "seconds": 0, "held": 0, "broken": [], "of": len(self._tests), "drawn": False,
-                      "passed": "", "next": "", "read": "", "task": {},
+                      "seconds": 0, "held": 0, "broken": [], "late": [],
+                      "of": len(self._tests), "drawn": False, "passed": "", "next": "", "read": "",
+                      "task": {},
                       "kit": bool(self.kit), "scale": 1 if self.kit else _SIDE / SIDE,
                       "looks": [[look.step, look.caption] for look in read_looks(feature)]}
         self._look_at(choose_look(feature, step) if step else read_looks(feature)[0], task=step or 1)
@@ -254,17 +254,16 @@ class Loop:
         return "/" + os.path.relpath(page, self._feature.source) + section if page else ""
 
     def _tell_claims_of(self, record):
-        """Tells which claims have ended, from the grader's record: those that are broken with their reasons,
-        in the order of work."""
-        with open(record, encoding="utf-8") as file:
-            ended = {claim["name"]: claim
-                     for claim in map(json.loads, (line for line in file if line.endswith("\n")))}
-        broken = [{"name": name, "points": test.points, "step": test.step, "reason": ended[name]["reason"],
-                   "place": ended[name]["place"]}
-                  for name, test in self._tests.items() if name in ended and not ended[name]["passed"]]
-        held = len(ended) - len(broken)
-        if [held, broken] != [self.known["held"], self.known["broken"]]:
-            self.tell(held=held, broken=broken)
+        """Tells which claims have ended, from the grader's record: those that are broken and those that are
+        late with their reasons, in the order of work."""
+        claims = claims_in(record)
+        ended = [{"name": name, "points": test.points, "step": test.step, **claims[name]}
+                 for name, test in self._tests.items() if name in claims]
+        news = {"held": sum(claim["passed"] for claim in ended),
+                "broken": [claim for claim in ended if not claim["passed"] and not claim["is_open"]],
+                "late": [claim for claim in ended if claim["is_open"]]}
+        if any(self.known[name] != found for name, found in news.items()):
+            self.tell(**news)
 
     def _loops_forever(self):
         return any(claim["reason"].startswith("did not end") for claim in self.known["broken"])
@@ -289,9 +288,9 @@ class Loop:
                     for work in filter(None, (check, picture)):
                         work.end()
                     seen, saved = now, time.monotonic()
-                    before = _changed_at(record)
+                    before = changed_at(record)
                     self.tell(begins=("drawing", "checking the claims"), failed="", held=0, broken=[],
-                              drawn=False, same=False,
+                              late=[], drawn=False, same=False,
                               compared="", says="", passed="", next="")
                     check, picture, is_judged = Check(grader), Picture(self), False
                 elif self.asked is not None:
@@ -301,7 +300,7 @@ class Loop:
                         picture = Picture(self)
                 elif check and check.is_over():
                     claims = check.verdict()
-                    if _changed_at(record) != before:
+                    if changed_at(record) != before:
                         self._tell_claims_of(record)
                     check.end()
                     check, is_judged = None, True
@@ -313,7 +312,7 @@ class Loop:
                     if self._go_on():
                         self.tell(begins=["drawing"])
                         picture = Picture(self)
-                elif check and _changed_at(record) != before:
+                elif check and changed_at(record) != before:
                     self._tell_claims_of(record)
                     if self._loops_forever() and not picture.is_over() and time.monotonic() - saved > _SOON:
                         picture.end()  # its threads slow down the rest of the claims
@@ -327,10 +326,6 @@ class Loop:
         finally:
             for work in filter(None, (check, picture)):
                 work.end()
-
-
-def _changed_at(path):
-    return os.stat(path).st_mtime_ns if os.path.exists(path) else 0
 
 
 class Page(http.server.BaseHTTPRequestHandler):
@@ -386,7 +381,7 @@ class Page(http.server.BaseHTTPRequestHandler):
                     loop.changed.wait_for(lambda: self.server.loop is not loop  # noqa: B023
                                           or (loop, loop.known["version"]) != sent, timeout=5)
                     sent, text = (loop, loop.known["version"]), json.dumps({**loop.known, "pictures": {
-                        name: str(_changed_at(path)) for name, path in loop.files.items() if path}})
+                        name: str(changed_at(path)) for name, path in loop.files.items() if path}})
                 self.wfile.write(f"data: {text}\n\n".encode())
                 self.wfile.flush()
         except OSError:
@@ -424,7 +419,6 @@ def main():
                         help="of the handout; the first that is not done for none")
     arguments = parser.parse_args()
     stop_on_signals()
-    os.environ.setdefault("RAYKIT_TEST_SECONDS", TEST_SECONDS)
     kept, build = make_folder(), os.path.abspath(arguments.build)
     try:
         toolchain = Toolchain(arguments.build)

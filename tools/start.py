@@ -172,7 +172,6 @@ def main():
     arguments = parser.parse_args()
     stop_on_signals()
     build, screen = os.path.abspath(arguments.build), Screen()
-    os.environ.setdefault("RAYKIT_TEST_SECONDS", live_loop.TEST_SECONDS)
     try:
         stems = [arguments.first] if os.path.isfile(arguments.impl) and arguments.first else arguments.stems
         start(Course(arguments.build, arguments.impl, stems, screen), arguments.first)

@@ -4,6 +4,7 @@
 The last verdict stays on the screen until the next. A save during a check ends it and starts another,
 because its result would be about an old file."""
 
+import json
 import os
 import re
 import shutil
@@ -35,6 +36,18 @@ def state(impl):
     except OSError:
         pass  # an editor is replacing something; the next look sees it
     return sorted(files)
+
+
+def changed_at(path):
+    """Returns when a file has changed, 0 if there is none."""
+    return os.stat(path).st_mtime_ns if os.path.exists(path) else 0
+
+
+def claims_in(record):
+    """Returns what the grader's record tells of each claim that has ended, or is late."""
+    with open(record, encoding="utf-8") as file:
+        claims = map(json.loads, (line for line in file if line.endswith("\n")))
+        return {claim["name"]: claim for claim in claims}
 
 
 class Check:
@@ -96,9 +109,9 @@ class Screen:
         self._has_status = False
 
 
-def watch(command, impl):
-    """Checks at once and after every save, until interrupted."""
-    screen, check, seen = Screen(), None, None
+def watch(command, impl, record):
+    """Checks at once and after every save, until interrupted; says which claim is late."""
+    screen, check, seen, told = Screen(), None, None, None
     try:
         while True:
             now = state(impl)
@@ -106,13 +119,20 @@ def watch(command, impl):
                 again = " again, as you have saved" if check else ""
                 if check:
                     check.end()
-                seen, check = now, Check(command)
+                before = changed_at(record)
+                seen, check, told = now, Check(command), None
                 screen.status(f"{time.strftime('%H:%M:%S')}, checking{again} ...")
             elif check and check.is_over():
                 screen.verdict(check.verdict())
                 check.end()
                 check = None
                 screen.status(f"{time.strftime('%H:%M:%S')}, waiting for you to save; Ctrl-C ends")
+            elif check and changed_at(record) != before:
+                before = changed_at(record)
+                late = [claim for claim in claims_in(record).values() if claim["is_open"]]
+                if late and late[0] != told:
+                    told = late[0]
+                    screen.status(f"checking; {told['name']} is {told['reason']} ...")
             time.sleep(_LOOK_SECONDS)
     finally:
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # a second Ctrl-C changes nothing
@@ -144,7 +164,7 @@ def main():
         features = read_features(Toolchain(arguments.build).source)
         require_units(arguments.build, [arguments.stem], arguments.impl)
         prepare_suites(features, choose(features, [arguments.stem]), arguments.impl, True, arguments.test)
-        watch(command, arguments.impl)
+        watch(command, arguments.impl, os.path.join(kept, "claims"))
     except ToolError as error:
         print(f"watch: {error}", file=sys.stderr)
         return 1
