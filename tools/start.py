@@ -19,7 +19,7 @@ from grading.results import command_of
 from grading.starters import is_starter
 from handout_text import handout_of, sheet_of
 from progress import hand_in, progress_of
-from watch import Screen
+from watch import Screen, state
 
 _REASON = 20  # lines of a build that failed
 
@@ -50,7 +50,7 @@ class Course:
 
     def __init__(self, build, impl, stems, screen):
         self.build, self.impl, self.toolchain, self.screen = build, impl, Toolchain(build), screen
-        self._all = read_features(self.toolchain.source)
+        self._all, self._claims = read_features(self.toolchain.source), {}
         self.features = choose(self._all, stems)
         check_impl(self._all, impl, [feature.stem for feature in self.features])
         missing = [feature for feature in self.features if not find_unit(feature, impl).path]
@@ -65,7 +65,13 @@ class Course:
         return choose(self._all, [stem])[0]
 
     def first_claim(self, feature):
-        """Returns the first claim that fails, None if none does."""
+        """Returns the first claim that fails, None if none does; looks anew only after a save."""
+        now = state(self.impl)
+        if self._claims.get(feature.stem, (None, None))[0] != now:
+            self._claims[feature.stem] = now, self._look_for_claim(feature)
+        return self._claims[feature.stem][1]
+
+    def _look_for_claim(self, feature):
         tests = [test for test in read_points(feature) if test.points]
         if is_starter(find_unit(feature, self.impl)):
             return tests[0]
