@@ -819,6 +819,17 @@ static void debug_rays_says_why_there_are_none(void **state)
     run_free(&some);
 }
 
+/* A lens so small that everything is in focus. */
+static void debug_rays_of_a_pixel_in_focus_draws_those_that_it_would_take(void **state)
+{
+    run r = run_feature("09_depth_of_field/depth_of_field", *state,
+                        "--scene cube --width 20 --height 20 --debug rays --aperture 0.001");
+    rk_check_equal(r.status, 0, r.err);
+    check_contains(r.out, "pixel 10,10: 1 camera ray: it is in focus, and takes none of the lens "
+                          "samples drawn");
+    run_free(&r);
+}
+
 /* The green of a pixel of the floor, which a coloured light's ends light differently. */
 static double explained_green(void **state, const char *options)
 {
@@ -1191,6 +1202,7 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(debug_rays_draws_as_many_shadow_rays_as_the_pixel_is_explained_with),
     test_in_folder(debug_rays_draws_the_crossings_that_the_pixel_is_explained_with),
     test_in_folder(debug_rays_says_why_there_are_none),
+    test_in_folder(debug_rays_of_a_pixel_in_focus_draws_those_that_it_would_take),
     test_in_folder(strips_give_the_light_of_the_whole),
     test_in_folder(pictures_of_a_map_are_named_by_the_map),
     test_in_folder(timings_become_rows_and_the_next_run_replaces_them),

@@ -21,6 +21,7 @@ import wrong  # noqa: E402
 from drivers import driver_of, link_drivers  # noqa: E402
 from grading.assignments import ToolError, read_features, read_looks  # noqa: E402
 from grading.build import Toolchain  # noqa: E402
+from grading.starters import solved_until  # noqa: E402
 from tap import check, finish, read, run, start, write  # noqa: E402
 from workbook import make_workbook  # noqa: E402
 
@@ -162,6 +163,21 @@ def wanted_pictures_are_what_the_kit_draws(folder):
                 wrong.append(f"step {look.step}: {said}")
         check(not wrong,
               f"{stem}: each step's wanted picture is what the kit draws (make look draws them anew)",
+              "\n".join(wrong))
+
+
+def a_step_shows_its_picture_before_the_next_is_begun(folder):
+    """With the starters in place of all later steps."""
+    for stem, feature in FEATURES.items():
+        looks, mine, wrong = read_looks(feature), os.path.join(folder, stem), []
+        for look in looks[:-1]:
+            write(solved_until(feature.reference, look.step), mine, stem + ".c")
+            link_drivers(TOOLCHAIN, mine, stem)
+            said, _ = _draw(driver_of(feature), os.path.join(folder, "out"), *draw.small(look.options),
+                            "--compare", look.picture)
+            if f"{look.picture}: the picture is the same\n" not in said:
+                wrong.append(f"step {look.step}: {said}")
+        check(not wrong, f"{stem}: after each step its picture is the wanted one, before the next is begun",
               "\n".join(wrong))
 
 
@@ -334,6 +350,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         starters_draw(folder)
         wanted_pictures_are_what_the_kit_draws(os.path.join(folder, "out"))
+        a_step_shows_its_picture_before_the_next_is_begun(os.path.join(folder, "steps"))
         pictures_of_another_size_are_refused(os.path.join(folder, "out"))
         sizes_are_small()
         a_students_picture_is_compared(folder)

@@ -187,6 +187,27 @@ static void rays_from_a_lens_are_those_of_pixels_out_of_focus(void **state)
     }
 }
 
+static void a_pixel_in_focus_can_be_recorded_as_if_it_were_not(void **state)
+{
+    (void)state;
+    rk_scene scene = test_scene_builtin("cube");
+    rk_render_options options = small();
+    options.lens_samples = 6;
+    options.lens = (rk_lens){.focal_distance = 1.8f, .aperture = 1, .focal = RK_FOCAL_PLANE};
+    recorder w = recorder_of(&scene);
+    rk_ray_record in_focus = record_of(&w, &options, 0);
+    rk_ray_record through_lens = {.pixel = 0, .through_lens = true};
+    rk_error error;
+    rk_check_ok(rk_ray_record_pixel(&through_lens, &scene, &w.accel, &options, w.pool, &error),
+                error);
+    rk_check_equal(rk_ray_record_count(&in_focus, RK_RAY_CAMERA, 0), 1, "without lens samples");
+    rk_check_equal(rk_ray_record_count(&through_lens, RK_RAY_CAMERA, 0), 6, "one for each");
+    rk_ray_record_free(&in_focus);
+    rk_ray_record_free(&through_lens);
+    recorder_free(&w);
+    rk_scene_free(&scene);
+}
+
 static void a_record_of_a_moving_scene_has_its_rays(void **state)
 {
     (void)state;
@@ -243,6 +264,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(reflected_rays_are_recorded_by_their_bounce),
     cmocka_unit_test(transparent_surfaces_and_their_shadows_are_recorded),
     cmocka_unit_test(rays_from_a_lens_are_those_of_pixels_out_of_focus),
+    cmocka_unit_test(a_pixel_in_focus_can_be_recorded_as_if_it_were_not),
     cmocka_unit_test(a_record_of_a_moving_scene_has_its_rays),
     cmocka_unit_test(a_hit_of_the_record_is_what_the_pixel_sees),
     cmocka_unit_test(options_that_the_renderer_refuses_record_nothing),

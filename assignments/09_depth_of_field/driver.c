@@ -27,7 +27,7 @@ static bool choose(rk_driver *driver, rk_error *error)
     return true;
 }
 
-/* A pixel in focus has a ray through the middle of the lens alone. */
+/* A pixel in focus has rays through the middle of the lens alone. */
 static void print_rays(const rk_driver *driver)
 {
     const choices *c = driver->choices;
@@ -35,7 +35,9 @@ static void print_rays(const rk_driver *driver)
         return;
     printf("pixel %u,%u: %u camera ray%s%s\n", driver->pixel.x, driver->pixel.y, c->rays,
            c->rays == 1 ? "" : "s",
-           c->rays == driver->render.samples ? ": it is in focus, and takes no lens samples" : "");
+           c->rays == driver->render.samples
+               ? ": it is in focus, and takes none of the lens samples drawn"
+               : "");
 }
 
 static bool save(rk_driver *driver, rk_error *error)

@@ -9,7 +9,7 @@ typedef struct choices {
     float viewer_yaw, viewer_pitch, viewer_far; /* of the view from the side */
     bool convergence, circles;
     uint32_t seeds;
-    uint32_t rays; /* that --debug rays has drawn */
+    uint32_t rays; /* of --pixel; in focus, fewer than --debug rays draws */
 } choices;
 
 /* Returns the camera's view. */

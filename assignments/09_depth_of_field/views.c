@@ -85,6 +85,18 @@ static void draw_rays(const rk_driver *driver, rk_overlay *overlay, const rk_vie
     rk_overlay_point(overlay, focus, white, 5);
 }
 
+/* Counts the pixel's camera rays, and records those that it has, or would have, out of focus. */
+static bool record_rays(rk_driver *driver, rk_error *error)
+{
+    choices *c = driver->choices;
+    driver->record.through_lens = false;
+    if (!rk_driver_record_pixel(driver, &driver->scene, &driver->render, error))
+        return false;
+    c->rays = (uint32_t)rk_ray_record_count(&driver->record, RK_RAY_CAMERA, 0);
+    driver->record.through_lens = true;
+    return rk_driver_record_pixel(driver, &driver->scene, &driver->render, error);
+}
+
 static void look_from_the_side(rk_camera *camera, const rk_view *view, const choices *c)
 {
     rk_vec3 forward = rk_scale(view->forward, 0.6f * camera->distance);
@@ -119,21 +131,18 @@ static void dim(const rk_driver *driver, rk_overlay *overlay)
 bool draw_from_the_side(rk_driver *driver, rk_error *error)
 {
     const bool rays = rk_driver_debug(driver, "rays");
-    choices *c = driver->choices;
     const rk_view view = view_of(driver);
     rk_overlay overlay;
     rk_driver_draw_pixel(driver);
-    if ((rays && !rk_driver_record_pixel(driver, &driver->scene, &driver->render, error)) ||
+    if ((rays && !record_rays(driver, error)) ||
         !render_from_the_side(driver, &view, &overlay, error))
         return false;
     if (rays)
         dim(driver, &overlay);
     draw_focal_surface(&overlay, &driver->render.lens, &view, rays ? 0.1f : 0.4f);
     draw_lens(&overlay, &driver->render.lens, &view);
-    if (rays) {
+    if (rays)
         draw_rays(driver, &overlay, &view);
-        c->rays = (uint32_t)rk_ray_record_count(&driver->record, RK_RAY_CAMERA, 0);
-    }
     rk_overlay_free(&overlay);
     return true;
 }

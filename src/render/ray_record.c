@@ -104,7 +104,7 @@ void rk_ray_record_free(rk_ray_record *record)
 {
     free(record->rays);
     free(record->crossings);
-    *record = (rk_ray_record){.pixel = record->pixel};
+    *record = (rk_ray_record){.pixel = record->pixel, .through_lens = record->through_lens};
 }
 
 size_t rk_ray_record_count(const rk_ray_record *record, rk_ray_record_kind kind, uint32_t bounce)

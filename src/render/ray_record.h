@@ -27,7 +27,8 @@ typedef struct rk_ray_record_entry {
 } rk_ray_record_entry;
 
 typedef struct rk_ray_record {
-    uint32_t pixel; /* of the picture, row by row */
+    uint32_t pixel;    /* of the picture, row by row */
+    bool through_lens; /* with a lens: as if the pixel were out of focus */
     rk_ray_record_entry *rays;
     size_t count, capacity;
     rk_crossing *crossings; /* of all rays, one ray after the other */
@@ -41,6 +42,7 @@ typedef struct rk_ray_record {
 bool rk_ray_record_pixel(rk_ray_record *record, const rk_scene *scene, const rk_accel *accel,
                          const rk_render_options *options, rk_pool *pool, rk_error *error);
 
+/* Leaves what is to be recorded. */
 void rk_ray_record_free(rk_ray_record *record);
 
 /* Returns the number of rays of a kind that are `bounce` reflections from the camera, among all

@@ -110,10 +110,13 @@ static bool render_picture(render_job *job, rk_pool *pool, rk_counters *counters
 
 /* --- One pixel -------------------------------------------------------------------------------- */
 
-static bool render_pixel(render_job *job, uint32_t pixel, rk_pool *pool, rk_error *error)
+static bool render_pixel(render_job *job, const rk_ray_record *record, rk_pool *pool,
+                         rk_error *error)
 {
     const rk_render_options *options = job->rendering.options;
-    const uint32_t x = pixel % options->width, y = pixel / options->width;
+    const uint32_t x = record->pixel % options->width, y = record->pixel / options->width;
+    if (record->through_lens && job->rendering.coc_count)
+        job->rendering.coc_count[(size_t)y * (options->width + 1) + x] = 1;
     if (job->rendering.plan.adaptive_sampling)
         return rk_adaptive_sampling_stage(&job->rendering, job->workspaces, job->counters,
                                           job->image, pool, error);
@@ -131,8 +134,7 @@ bool rk_ray_record_pixel(rk_ray_record *record, const rk_scene *scene, const rk_
     const rk_render_options adapted = rk_adaptive_sampling_options_of(options);
     render_job job = {.rendering = rk_rendering_of(scene, accel, &adapted), .image = &image};
     job.rendering.record = record;
-    const bool ok =
-        prepare_job(&job, pool, error) && render_pixel(&job, record->pixel, pool, error);
+    const bool ok = prepare_job(&job, pool, error) && render_pixel(&job, record, pool, error);
     free_job(&job, rk_pool_threads(pool));
     rk_image_free(&image);
     return ok && (!record->is_short ||
