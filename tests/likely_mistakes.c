@@ -1,6 +1,7 @@
 /* What a wrong number says about the mistake behind it. A sentence appears only if the number
- * equals a mistake's within the claim's own tolerance, and the wanted one does not. Nothing is said
- * of 0, which mistakes of all kinds give, and of 1 and -1 only what the suite itself knows. */
+ * equals a mistake's within the claim's own tolerance, which is finer for a smaller one, and
+ * neither the wanted one nor another known mistake does. Nothing is said of 0, which mistakes of
+ * all kinds give, and of 1 and -1 only what the suite itself knows. */
 #include "test.h"
 
 static const double pi = 3.14159265358979323846;
@@ -25,12 +26,24 @@ static bool is_telling(double value)
     return isfinite(value) && value != 0 && fabs(value) != 1;
 }
 
+/* A tolerance that is coarse beside a small mistake would match any small number. */
+static double beside_small(double tolerance, double value, double want)
+{
+    double scaled = want != 0 ? tolerance * fabs(value / want) : tolerance;
+    return fmin(tolerance, fmax(scaled, 1e-3 * fabs(value)));
+}
+
 /* The error of a multiple is as many times as large. */
+static double tolerance_around(double value, double want, double tolerance)
+{
+    double multiple = want != 0 ? fabs(value / want) : 1;
+    return multiple > 1 ? multiple * tolerance : beside_small(tolerance, value, want);
+}
+
 static bool is_mistake(double got, double value, double want, double tolerance)
 {
-    if (want != 0)
-        tolerance *= fmax(1, fabs(value / want));
-    return fabs(got - value) <= tolerance && fabs(want - value) > 2 * tolerance;
+    double around = tolerance_around(value, want, tolerance);
+    return fabs(got - value) <= around && fabs(want - value) > 2 * fmax(around, tolerance);
 }
 
 /* Of any two numbers some relation holds by chance, within a coarse tolerance. */
@@ -65,11 +78,21 @@ static const char *common_mistake(double got, double want, double tolerance)
     return sentence("; it is %s%s%s", said[0], said[1] ? " Or " : "", said[1] ? said[1] : "");
 }
 
+/* Where two mistakes give the same number, it could be either. */
+static bool is_alone(const rk_mistake *it, const rk_mistake *known, double tolerance)
+{
+    for (; known->said; known++)
+        if (strcmp(known->said, it->said) != 0 && fabs(known->value - it->value) <= 2 * tolerance)
+            return false;
+    return true;
+}
+
 const char *rk_mistake_in(double got, double want, double tolerance, const rk_mistake *known)
 {
-    for (; known && known->said && got != 0; known++)
-        if (is_mistake(got, known->value, want, tolerance))
-            return sentence(RK_EXACTLY_IF "%s", known->said);
+    for (const rk_mistake *it = known; it && it->said && got != 0; it++)
+        if (is_mistake(got, it->value, want, tolerance) &&
+            is_alone(it, known, tolerance_around(it->value, want, tolerance)))
+            return sentence(RK_EXACTLY_IF "%s", it->said);
     if (!is_telling(got) || !is_telling(want) || !is_fine(want, tolerance))
         return "";
     return common_mistake(got, want, tolerance);
@@ -88,9 +111,9 @@ static uint32_t reversed_bits(uint32_t value)
 const char *rk_mistake_in_whole(long long got, long long want, const rk_mistake *known)
 {
     enum { few = 8 }; /* small counts are often twice or half of one another */
-    for (; known && known->said && got != 0; known++)
-        if ((double)got == known->value && (double)want != known->value)
-            return sentence(RK_EXACTLY_IF "%s", known->said);
+    for (const rk_mistake *it = known; it && it->said && got != 0; it++)
+        if ((double)got == it->value && (double)want != it->value && is_alone(it, known, 0))
+            return sentence(RK_EXACTLY_IF "%s", it->said);
     bool is_32_bits = got == (long long)(uint32_t)got && want == (long long)(uint32_t)want;
     if (is_32_bits && want > 255 && got != want && (uint32_t)got == reversed_bits((uint32_t)want))
         return "; its 32 bits are those of the wanted in reversed order";
@@ -174,12 +197,24 @@ static const char *limited(const double *got, const double *want, double toleran
     return is_vector_mistake(got, grey, want, tolerance) ? "; x stands in all three places" : NULL;
 }
 
+static bool is_known_vector(const double *got, const rk_vector_mistake *it, const double *want,
+                            double tolerance, const rk_vector_mistake *known)
+{
+    double around = beside_small(tolerance, length_of(it->value), length_of(want));
+    if (!is_vector(got, it->value, around) || is_vector(want, it->value, 2 * tolerance))
+        return false;
+    for (; known->said; known++)
+        if (strcmp(known->said, it->said) != 0 && is_vector(known->value, it->value, 2 * around))
+            return false;
+    return true;
+}
+
 const char *rk_mistake_in_vector(const double *got, const double *want, double tolerance,
                                  const rk_vector_mistake *known)
 {
-    for (; known && known->said; known++)
-        if (is_vector_mistake(got, known->value, want, tolerance))
-            return sentence(RK_EXACTLY_IF "%s", known->said);
+    for (const rk_vector_mistake *it = known; it && it->said; it++)
+        if (is_known_vector(got, it, want, tolerance, known))
+            return sentence(RK_EXACTLY_IF "%s", it->said);
     int telling = is_telling(want[0]) + is_telling(want[1]) + is_telling(want[2]);
     if (telling < 2 || !is_fine(length_of(want), tolerance))
         return "";

@@ -208,6 +208,7 @@ static void the_concentric_map_keeps_the_middle_and_the_axes(void **state)
     (void)state;
     check_point(RK_DISK_CONCENTRIC, (rk_vec2){0.5f, 0.5f}, 0, 0, "the middle");
     check_point(RK_DISK_CONCENTRIC, (rk_vec2){0.5f, 0.125f}, 0, -0.75, "on the y axis, below");
+    check_point(RK_DISK_CONCENTRIC, (rk_vec2){0.3125f, 0.5f}, -0.375, 0, "on the x axis, left");
     for (int e = 2; e <= 24; e++)
         for (int sign = -1; sign <= 1; sign += 2) {
             float at = 0.5f + ldexpf((float)sign, -e);

@@ -74,6 +74,39 @@ static void a_mistake_too_near_to_the_wanted_is_not_named(void **state)
     check_said(rk_mistake_in(0.601, 0.3, 1e-4, NULL), NULL);
 }
 
+/* A coarse tolerance of a large number is none for a small one. */
+static void a_mistake_is_as_exact_as_its_own_size_asks(void **state)
+{
+    (void)state;
+    const rk_mistake *small = RK_MISTAKES({23.8, "it is divided by f"});
+    check_said(rk_mistake_in(5.8e25, 4.3e31, 4.3e26, small), NULL);
+    check_said(rk_mistake_in(24.8, 4.3e31, 4.3e26, small), NULL);
+    check_said(rk_mistake_in(23.8001, 4.3e31, 4.3e26, small), RK_EXACTLY_IF "it is divided by f");
+    check_said(rk_mistake_in(1 / 3e14, 3e14, 1e5, NULL), "1 over");
+    check_said(rk_mistake_in(2.5, 3e14, 1e5, NULL), NULL);
+    const rk_vector_mistake *short_one = RK_VECTOR_MISTAKES({{0.5, 0, 0}, "it is normalized"});
+    const double large[] = {4e6, 0, 0};
+    check_said(rk_mistake_in_vector((const double[]){0.7, 0.1, 0}, large, 1, short_one), NULL);
+    check_said(rk_mistake_in_vector((const double[]){0.5, 0, 0}, large, 1, short_one),
+               RK_EXACTLY_IF "it is normalized");
+}
+
+static void mistakes_that_cannot_be_told_apart_are_not_named(void **state)
+{
+    (void)state;
+    const rk_mistake *alike = RK_MISTAKES({0.7, "a is added"}, {0.7 + 1e-10, "b is added"});
+    const rk_mistake *same = RK_MISTAKES({0.7, "a is added"}, {0.7 + 1e-10, "a is added"});
+    check_said(rk_mistake_in(0.7, 0.4, 1e-9, alike), NULL);
+    check_said(rk_mistake_in(0.7, 0.4, 1e-12, alike), RK_EXACTLY_IF "a is added");
+    check_said(rk_mistake_in(0.7, 0.4, 1e-9, same), RK_EXACTLY_IF "a is added");
+    check_said(rk_mistake_in_whole(3, 5, RK_MISTAKES({3, "a is added"}, {3, "b is added"})), NULL);
+    const double got[] = {1, 2, 3}, want[] = {4, 5, 7};
+    check_said(rk_mistake_in_vector(got, want, 1e-9,
+                                    RK_VECTOR_MISTAKES({{1, 2, 3}, "a is added"},
+                                                       {{1, 2, 3 + 1e-10}, "b is added"})),
+               NULL);
+}
+
 static void whole_numbers_are_twice_or_reversed(void **state)
 {
     (void)state;
@@ -135,6 +168,8 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(nothing_is_said_of_0_and_1),
     cmocka_unit_test(a_suites_own_mistakes_come_first),
     cmocka_unit_test(a_mistake_too_near_to_the_wanted_is_not_named),
+    cmocka_unit_test(a_mistake_is_as_exact_as_its_own_size_asks),
+    cmocka_unit_test(mistakes_that_cannot_be_told_apart_are_not_named),
     cmocka_unit_test(whole_numbers_are_twice_or_reversed),
     cmocka_unit_test(vectors_are_exchanged_turned_or_too_long),
     cmocka_unit_test(wrong_numbers_without_a_reason_get_none),

@@ -466,22 +466,23 @@ static void check_swept_axis(rk_motion motion, rk_shutter shutter, int axis, con
         const char *side = end ? "highest" : "lowest";
         double got = (double)rk_axis(swept->corner[end], axis), want = at_rest[end] + offset[end];
         double margin = (end ? 1 : -1) * 0x1p-19 * size;
+        const bool rests = offset[end] == 0;
         /* The result is rounded to a float, so to a sixteenth of the margin. */
-        rk_check_near_or(got, want + margin, 2 * 0x1p-24 * size,
-                         RK_MISTAKES({at_rest[end],
-                                      offset[end] == 0 ? "the margin is missing, or the whole sweep"
-                                                       : "the box is not swept on this axis"},
-                                     {at_rest[end] + offset[!end] + margin,
-                                      end ? "the lowest offset is added to the highest end"
-                                          : "the highest offset is added to the lowest end"},
-                                     {want, "the margin is missing"},
-                                     {want - margin, "the margin makes the box smaller"}),
-                         "the path (a, b, c) = (%g, %g, %g), shutter [%g, %g]: the swept box's %s "
-                         "%c: %.9g at rest, plus the %s of the offsets from %.9g to %.9g (%s), %s "
-                         "a margin of 2^-19 of the terms, %.3g",
-                         (double)motion.a, (double)motion.b, (double)motion.c, (double)shutter.open,
-                         (double)shutter.close, side, "xyz"[axis], at_rest[end], side, low, high,
-                         hint, end ? "plus" : "less", fabs(margin));
+        rk_check_near_or(
+            got, want + margin, 2 * 0x1p-24 * size,
+            RK_MISTAKES({at_rest[end], rests ? "the margin is missing, or the whole sweep"
+                                             : "the box is not swept on this axis"},
+                        {at_rest[end] + offset[!end] + margin,
+                         end ? "the lowest offset is added to the highest end"
+                             : "the highest offset is added to the lowest end"},
+                        {rests ? NAN : want, "the margin is missing"},
+                        {want - margin, "the margin makes the box smaller"}),
+            "the path (a, b, c) = (%g, %g, %g), shutter [%g, %g]: the swept box's %s "
+            "%c: %.9g at rest, plus the %s of the offsets from %.9g to %.9g (%s), %s "
+            "a margin of 2^-19 of the terms, %.3g",
+            (double)motion.a, (double)motion.b, (double)motion.c, (double)shutter.open,
+            (double)shutter.close, side, "xyz"[axis], at_rest[end], side, low, high, hint,
+            end ? "plus" : "less", fabs(margin));
     }
 }
 
