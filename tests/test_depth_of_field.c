@@ -572,7 +572,8 @@ static void the_circle_of_confusion_equals_the_closed_form(void **state)
                 RK_MISTAKES({want / 2, "the circle's radius is returned, not its diameter"},
                             {10 * want, "the aperture is in hundredths of a unit"},
                             {want * f, "the pixel's size is that at the distance 1, not in focus"},
-                            {want * d / f, "|d - f| is divided by f, not by d"}),
+                            {want * d / f, "|d - f| is divided by f, not by d"},
+                            {want * pixel * pixel, "view->pixel is a factor, not the divisor"}),
                 "aperture 50, focal %s at 1.8: circle of a point %g straight ahead, %s the focus",
                 focal_names[focal], d, d < f ? "before" : "behind");
         }
@@ -927,9 +928,21 @@ static const char *circle_to_blame(const picture *p, uint32_t x, uint32_t y, int
     return said;
 }
 
+static bool nothing_is_marked(const picture *p, const int32_t *counts)
+{
+    for (uint32_t y = 0; y < p->height; y++)
+        for (uint32_t x = 0; x < p->width; x++)
+            if (counts[y * (p->width + 1) + x] != 0)
+                return false;
+    return true;
+}
+
 static void fail_pixel(const picture *p, const int32_t *counts, uint32_t x, uint32_t y, int want)
 {
     int got = counts[y * (p->width + 1) + x];
+    rk_check(!nothing_is_marked(p, counts),
+             "%u x %u pixels: no pixel is marked, not even (%u, %u): %s", p->width, p->height, x, y,
+             circle_to_blame(p, x, y, got, want));
     rk_check(false,
              "%u x %u pixels: pixel (%u, %u) got %d circles, want %d; %s; before the call each "
              "number was 7%s",
@@ -994,6 +1007,7 @@ static void circles_below_half_a_pixel_are_points(void **state)
         p.blur[i] = i % 2 ? 0.49f * unit_float(i, 0) : 0.5f - 0x1p-25f; /* the next float */
     check_counts(&p);
     p.blur[5 * 37 + 7] = 0.5f;
+    p.blur[0] = 1; /* this is marked, too, or nothing is */
     check_counts(&p);
 }
 
@@ -1006,6 +1020,7 @@ static void a_circle_reaches_every_pixel_that_it_may_touch(void **state)
     for (int i = 0; i < 12; i++) {
         picture p = sharp_picture(37, 23);
         p.blur[11 * 37 + 18] = diameters[i];
+        p.blur[0] = 1; /* this is marked, too, or nothing is */
         check_counts(&p);
     }
 }
