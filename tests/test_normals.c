@@ -76,8 +76,8 @@ static void each_axis_has_a_colour_of_its_own(void **state)
         rk_vec3 normal, colour;
         const char *hint;
     } axes[] = {
-        {{1, 0, 0}, {1, 0.5f, 0.5f}, "of the normal (1, 0, 0): x is red, 0 is half of the way"},
         {{-1, 0, 0}, {0, 0.5f, 0.5f}, "of the normal (-1, 0, 0): -1 becomes 0"},
+        {{1, 0, 0}, {1, 0.5f, 0.5f}, "of the normal (1, 0, 0): x is red, 0 is half of the way"},
         {{0, 1, 0}, {0.5f, 1, 0.5f}, "of the normal (0, 1, 0): y is green"},
         {{0, -1, 0}, {0.5f, 0, 0.5f}, "of the normal (0, -1, 0)"},
         {{0, 0, 1}, {0.5f, 0.5f, 1}, "of the normal (0, 0, 1): z is blue"},
