@@ -367,11 +367,11 @@ def answer(url):
 
 
 def state_of(url):
-    """What the page of the live loop is told, once the picture of a save is drawn; {} if none is."""
+    """What the page of the live loop is told, once a save is drawn and checked; {} if it is not."""
     with urllib.request.urlopen(url + "events", timeout=120) as events:
         for line in events:
             known = json.loads(line[len("data: "):]) if line.startswith(b"data: ") else {}
-            if known.get("drawn") or known.get("failed"):
+            if (known.get("drawn") or known.get("failed")) and not known["busy"]:
                 return known
     return {}
 
@@ -597,8 +597,7 @@ def a_class_is_graded(folder):
 def it_builds_what_the_book_needs():
     make = os.environ.get("MAKE", "make")
     for name in ("tests/bench/bench", "tools/pair/pair"):
-        _, said = run(".", make, "-n", "-W", os.path.normpath(os.path.join(SOURCE, name + ".c")),
-                      "handout")
+        _, said = run(".", make, "-n", "-W", os.path.relpath(os.path.join(SOURCE, name + ".c")), "handout")
         check(f"{name}.o" in said, f"a pack's book has {name} made first", said[-2000:])
 
 

@@ -683,10 +683,10 @@ def solved_in_part(path, count):
 class Started:
     """make start in a pack, and what it says."""
 
-    def __init__(self, pack):
+    def __init__(self, pack, target="start"):
         environment = {name: value for name, value in os.environ.items()
                        if name not in ("MAKEFLAGS", "MAKELEVEL", "DISPLAY", "WAYLAND_DISPLAY", "BROWSER")}
-        self._process = subprocess.Popen([MAKE, "-s", "start"], cwd=pack, text=True, env=environment,
+        self._process = subprocess.Popen([MAKE, "-s", target], cwd=pack, text=True, env=environment,
                                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                                          start_new_session=True)
 
@@ -707,6 +707,20 @@ class Started:
     def end(self):
         with contextlib.suppress(ProcessLookupError):
             os.killpg(self._process.pid, signal.SIGKILL)
+
+
+def a_file_that_is_removed_ends_the_loop(pack):
+    """Where it waits for the next assignment; STEM is solved."""
+    loop, mine = Started(pack, f"start-{STEM}"), os.path.join(pack, "workbook", OTHER + ".c")
+    try:
+        loop.until(f"save {OTHER}.c to go on")
+        os.rename(mine, mine + ".away")
+        said = loop.until("there is no")
+        check(f"there is no workbook/{OTHER}.c; make workbook" in said and "Traceback" not in said,
+              "a file that is removed while the loop waits for it is named", said)
+    finally:
+        loop.end()
+        os.rename(mine + ".away", mine)
 
 
 def start_leads_through_the_course(pack):
@@ -740,6 +754,7 @@ def start_leads_through_the_course(pack):
               "Ctrl-C ends it quietly", said)
     finally:
         loop.end()
+    a_file_that_is_removed_ends_the_loop(pack)
     status, said = make(os.path.join(pack, "workbook"), "start-median")
     check(status != 0 and f"did you mean: {STEM}?" in said, "a slip in a name is understood", said)
 

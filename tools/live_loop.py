@@ -26,11 +26,12 @@ from grading.build import Toolchain
 from grading.private_copy import make_folder
 from grading.processor_time import limited
 from handout_text import handout_of, task_of
-from watch import Check, changed_at, claims_in, command_of_tool, state
+from watch import Check, changed_at, claims_in, command_of_tool, late_line, state
 
 _LOOK_SECONDS = 0.05
 _PATIENCE = 20  # seconds of processor time for a picture, of 400 x 400 pixels and few samples
 _SOON = 3  # seconds in which most pictures are drawn
+_TURNING = "turning to the next step"
 _SIDE = 400  # of a picture, as large as the page shows it
 _TOOLS = os.path.dirname(os.path.abspath(__file__))
 
@@ -134,22 +135,27 @@ class Loop:
         self._tell_task(int(task or look.step))
         self.tell(step=look.step, caption=look.caption, command=f"{driver_of(self._feature)} {look.options}",
                   same=False,
-                  compared="", says="", drawn=False, passed=passed)
+                  compared="", says="", drawn=False, passed=passed, ends=_TURNING)
 
     def _tell_task(self, step):
         """Tells what is to be written in a step, and what is given for it."""
         write, given = task_of(self._handout, step)
         self.tell(task={"step": step, "write": write, "given": given})
 
-    def _follow(self, step):
-        """Shows the next picture that the student can reach, unless one was asked for; returns whether it is
-        another."""
+    def _next_look(self, step):
+        """Returns the row of the next picture that the student can reach; None if that is shown, or another
+        one was asked for."""
         looks = read_looks(self._feature)
         look = next((look for look in looks if step and int(look.step) >= int(step)), looks[-1])
-        if self._is_step_chosen or look.step == self.known["step"]:
+        return None if self._is_step_chosen or look.step == self.known["step"] else look
+
+    def _follow(self, step):
+        """Shows the next picture; returns whether it is another."""
+        look = self._next_look(step)
+        if not look:
             return False
         before, is_right = self.known["step"], self.known["same"]
-        held = int(step) - 1 if step else looks[-1].step
+        held = int(step) - 1 if step else read_looks(self._feature)[-1].step
         picture = f", and the picture of step {before} is the wanted one" if is_right else ""
         self._look_at(look, f"all claims up to step {held} hold{picture}" if look.step > before else "", step)
         return True
@@ -239,13 +245,14 @@ class Loop:
                   read=self._page_to_read())
         if step and not self._is_step_chosen:
             self._tell_task(int(step))  # which may have no picture of its own
+        if self._may_go_on():
+            self.tell(begins=[_TURNING])
 
-    def _go_on(self):
-        """Turns to the picture of the first broken claim, once that of the step before is seen; returns
-        whether it is another."""
+    def _may_go_on(self):
+        """Whether the picture of the first broken claim is another."""
         step = self._first_step()
-        return (bool(step or self.known["claims"].startswith("ok")) and not self._loops_forever()
-                and self._follow(step))
+        return ((step or self.known["claims"].startswith("ok")) and not self._loops_forever()
+                and self._next_look(step))
 
     def _page_to_read(self):
         """Returns the server's address of the section for the first broken claim, "" without a book."""
@@ -274,10 +281,10 @@ class Loop:
         return self.known["next"] and (self.goes_on or now != seen and f"{self._feature.stem}.c" not in
                                        {name for name, *_ in set(now) ^ set(seen)})
 
-    def run(self, grader, kept, judged=None):
+    def run(self, grader, kept, judged=None, screen=None):
         """Draws and checks at once and after every save, until interrupted. `judged` is called with each
         verdict; it returns the name of the next assignment once this one is done, and the loop ends when the
-        student goes on to that."""
+        student goes on to that. A screen shows which claim is late."""
         seen, check, picture, is_judged, record = None, None, None, False, os.path.join(kept, "claims")
         try:
             while True:
@@ -291,8 +298,8 @@ class Loop:
                     before = changed_at(record)
                     self.tell(begins=("drawing", "checking the claims"), failed="", held=0, broken=[],
                               late=[], drawn=False, same=False,
-                              compared="", says="", passed="", next="")
-                    check, picture, is_judged = Check(grader), Picture(self), False
+                              compared="", says="", passed="", next="", ends=_TURNING)
+                    check, picture, is_judged, told = Check(grader), Picture(self), False, None
                 elif self.asked is not None:
                     if self.look_asked():
                         picture.end()
@@ -309,11 +316,16 @@ class Loop:
                         self.tell(next=judged(claims))
                 elif is_judged and picture.is_over():
                     is_judged = False
-                    if self._go_on():
+                    if self._may_go_on() and self._follow(self._first_step()):
                         self.tell(begins=["drawing"])
                         picture = Picture(self)
+                    else:
+                        self.tell(ends=_TURNING)
                 elif check and changed_at(record) != before:
                     self._tell_claims_of(record)
+                    if screen and self.known["late"] and self.known["late"][0] != told:
+                        told = self.known["late"][0]
+                        screen.status(late_line(told))
                     if self._loops_forever() and not picture.is_over() and time.monotonic() - saved > _SOON:
                         picture.end()  # its threads slow down the rest of the claims
                         self.tell(ends="drawing",

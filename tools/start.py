@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 import sys
+from time import sleep
 
 import live_loop
 from drivers import private_folder
@@ -64,6 +65,16 @@ class Course:
         check_impl(self._all, self.impl, [stem])
         return choose(self._all, [stem])[0]
 
+    def unit(self, feature):
+        """Returns the student's unit. An editor that saves may be replacing the file; two seconds are enough
+        for that."""
+        for _ in range(20):
+            found = find_unit(feature, self.impl)
+            if found.path:
+                return found
+            sleep(0.1)
+        raise missing_unit(feature, self.impl)
+
     def first_claim(self, feature):
         """Returns the first claim that fails, None if none does; looks anew only after a save."""
         now = state(self.impl)
@@ -73,7 +84,7 @@ class Course:
 
     def _look_for_claim(self, feature):
         tests = [test for test in read_points(feature) if test.points]
-        if is_starter(find_unit(feature, self.impl)):
+        if is_starter(self.unit(feature)):
             return tests[0]
         self.screen.status(f"looking at what is done so far: {feature.stem} ...")
         make(self.build, f"grade-ready-{feature.stem}", f"what checks {feature.stem}", self.screen)
@@ -86,7 +97,7 @@ class Course:
 
     def end(self):
         """Returns what to do when all is done."""
-        return hand_in([find_unit(feature, self.impl) for feature in self.features])
+        return hand_in([self.unit(feature) for feature in self.features])
 
     def make_page(self, feature):
         """Makes what the page of an assignment needs."""
@@ -109,7 +120,7 @@ class Course:
         return [text.splitlines()[0].lstrip("# ") + (f" ({time[1]})" if time else "") + step,
                 f"    read  {feature.where_to_read(claim.section if claim else '')}",
                 *([f"    task  {sheet}"] if sheet else []),
-                f"    edit  {find_unit(feature, self.impl).path}",
+                f"    edit  {self.unit(feature).path}",
                 f"    hint  {hint}"]
 
 
@@ -142,7 +153,7 @@ def work_on(course, feature, server):
             loop = live_loop.Loop(course.toolchain, feature, course.impl, "", folder)
             server.show(loop)
             screen.status(f"checking {feature.stem} ...")
-            loop.run(live_loop.grader_of(feature.stem, course.build, course.impl, kept), kept, judged)
+            loop.run(live_loop.grader_of(feature.stem, course.build, course.impl, kept), kept, judged, screen)
             loop.tell(begins=[f"building what {following[0].stem} needs"])
             course.make_page(following[0])
     finally:

@@ -50,6 +50,11 @@ def claims_in(record):
         return {claim["name"]: claim for claim in claims}
 
 
+def late_line(claim):
+    """Returns what to say of a claim that is late."""
+    return f"checking; {claim['name']} is {claim['reason']} ..."
+
+
 class Check:
     """One run of the grader, in a session of its own: Ctrl-C goes to the watcher, which ends it."""
 
@@ -132,7 +137,7 @@ def watch(command, impl, record):
                 late = [claim for claim in claims_in(record).values() if claim["is_open"]]
                 if late and late[0] != told:
                     told = late[0]
-                    screen.status(f"checking; {told['name']} is {told['reason']} ...")
+                    screen.status(late_line(told))
             time.sleep(_LOOK_SECONDS)
     finally:
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # a second Ctrl-C changes nothing

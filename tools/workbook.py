@@ -90,14 +90,13 @@ def _put(path, text, generated, said):
 
 def _put_starters_back(features):
     """Writes those starters of a pack whose files are missing."""
-    said = []
-    for feature in features:
-        if not os.path.lexists(feature.workbook):
-            os.makedirs(os.path.dirname(feature.workbook), exist_ok=True)
-            write_whole(feature.workbook, starter_of(feature.reference))
-            said.append(f"wrote    {feature.stem}.c, the starter")
+    missing = [feature for feature in features if not os.path.lexists(feature.workbook)]
+    for feature in missing:
+        os.makedirs(os.path.dirname(feature.workbook), exist_ok=True)
+        write_whole(feature.workbook, starter_of(feature.reference))
+    said = [f"wrote    {feature.stem}.c, the starter" for feature in missing]
     return [*(said or ["no starter is missing; nothing was changed"]),
-            f"next: make check-{features[0].stem}, which needs no IMPL for this folder"]
+            f"next: make check-{[*missing, *features][0].stem}, which needs no IMPL for this folder"]
 
 
 def make_workbook(source, folder, stems=()):
