@@ -17,13 +17,16 @@ verdict() { # name: the status of the last command, and what make said
     echo "ok $count - $1"
 }
 
-# What is built is spoilt by a second one that builds it; a tool ends when there is a file, after 10 seconds at most.
+# What is built is spoilt by a second one that builds it; a tool ends when there is a file, after half a minute at
+# most.
 cp "$makefile" "$folder"
 printf 'abs_builddir = %s\n' "$folder" >"$folder/Makefile"
 cat >>"$folder/Makefile" <<'END'
-goal = @mkdir busy && sleep 1 && rmdir busy && echo $@ >>done
-first second check-TESTS: ; $(goal)
-tool: first ; @$(built)for i in 1 2 3 4 5 6 7 8 9 10; do [ ! -e enough ] || exit 0; sleep 1; done; exit 1
+goal = @mkdir busy && sleep $(or $(LONG),.5) && rmdir busy && echo $@ >>done
+until_enough = for i in $$(seq 300); do [ ! -e enough ] || exit 0; sleep .1; done; exit 1
+first second: ; $(goal)
+check-TESTS: ; @$(until_enough)
+tool: first ; @$(built)$(until_enough)
 nested: ; +$(goal); $(MAKE) first
 own: first ; @$(built)env -u MAKELEVEL -u MAKEFLAGS $(MAKE) second
 restarted: part ; $(goal)
@@ -43,8 +46,8 @@ if ! command -v flock >/dev/null; then
 fi
 
 rm -f "$folder"/part
-run 1 first &
-run 2 second && wait $! && [ "$(sort "$folder/done" | tr '\n' ' ')" = "first second " ]
+run 1 first LONG=3 &
+run 2 second LONG=3 && wait $! && [ "$(sort "$folder/done" | tr '\n' ' ')" = "first second " ]
 verdict two_makes_build_one_after_the_other
 
 [ "$(cat "$folder/said1" "$folder/said2" | grep -c '^make: waiting until another make has built here$')" = 1 ]
@@ -68,18 +71,20 @@ rm "$folder/part"
 run 1 restarted
 verdict a_make_that_begins_again_does_not_wait_for_itself
 
+rm "$folder/enough"
 run 1 check-TESTS &
 tests=$!
-sleep .2
-run 2 -n second && kill -0 $tests && wait $tests
+run 2 second && kill -0 $tests
+status=$?
+touch "$folder/enough"
+wait $tests && [ $status = 0 ]
 verdict tests_that_run_let_others_build
 
 "${MAKE:-make}" -C "$folder" second >"$folder/said1" 2>&1 &
-sleep .2
+until [ -e "$folder/busy" ]; do sleep .05; done
 kill -KILL $!
 wait $! 2>/dev/null
-sleep 1.1
-rm -rf "$folder/busy"
+while [ -e "$folder/busy" ]; do sleep .1; done
 run 2 first && ! grep -q . "$folder/said2"
 verdict one_that_was_killed_keeps_nobody_waiting
 
