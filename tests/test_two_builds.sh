@@ -39,6 +39,16 @@ run() { # number, goals
     "${MAKE:-make}" --no-print-directory -C "$folder" "$@" >"$folder/said$number" 2>&1
 }
 
+others_build_during() { # a goal that lasts until there is enough
+    rm -f "$folder/enough"
+    run 1 "$1" &
+    lasting=$!
+    run 2 second && kill -0 $lasting
+    status=$?
+    touch "$folder/enough"
+    wait $lasting && [ $status = 0 ]
+}
+
 if ! command -v flock >/dev/null; then
     echo "ok 1 # SKIP no flock here"
     echo "1..1"
@@ -53,12 +63,7 @@ verdict two_makes_build_one_after_the_other
 [ "$(cat "$folder/said1" "$folder/said2" | grep -c '^make: waiting until another make has built here$')" = 1 ]
 verdict the_second_says_what_it_waits_for
 
-run 1 tool &
-tool=$!
-run 2 second && kill -0 $tool
-status=$?
-touch "$folder/enough"
-wait $tool && [ $status = 0 ]
+others_build_during tool
 verdict while_a_tool_runs_others_may_build
 
 run 1 nested
@@ -71,13 +76,7 @@ rm "$folder/part"
 run 1 restarted
 verdict a_make_that_begins_again_does_not_wait_for_itself
 
-rm "$folder/enough"
-run 1 check-TESTS &
-tests=$!
-run 2 second && kill -0 $tests
-status=$?
-touch "$folder/enough"
-wait $tests && [ $status = 0 ]
+others_build_during check-TESTS
 verdict tests_that_run_let_others_build
 
 "${MAKE:-make}" -C "$folder" second >"$folder/said1" 2>&1 &
@@ -89,8 +88,7 @@ run 2 first && ! grep -q . "$folder/said2"
 verdict one_that_was_killed_keeps_nobody_waiting
 
 mkdir "$folder/temporary"
-TMPDIR=$folder/temporary run 1 tool && TMPDIR=$folder/temporary run 2 second && sleep .3 &&
-    [ -z "$(ls "$folder/temporary")" ]
+TMPDIR=$folder/temporary run 1 tool && TMPDIR=$folder/temporary run 2 second && sleep 1 && [ -z "$(ls "$folder/temporary")" ]
 verdict nothing_is_left_behind
 
 run 1 -n second && run 2 -n second && ! grep -q waiting "$folder"/said*
