@@ -290,6 +290,15 @@ def a_tree_that_is_too_large_is_told(grader):
           "a unit that says that it has made too many nodes is told so", str(said))
 
 
+def constant_structures_cannot_be_written_to(grader):
+    """Also those whose pointers are set in the unit's process."""
+    claim, text, begin = "all_lines_are_summed", text_of("bloom"), "uint32_t used = 0, taps = 0;\n"
+    write = "    *(volatile uint32_t *)(uintptr_t)&filter->reach = filter->reach;\n"
+    passed, reason = grader.verdicts("bloom", text.replace(begin, begin + write), True, claim)[0][claim]
+    check(not passed and "a write to the caller's data, which is constant" in reason,
+          "a constant structure cannot be written to", reason)
+
+
 def it_ends_with_its_grader():
     """Though nobody has answered it."""
     asked, answered = judged._shared_memory("requests"), judged._shared_memory("answers")
@@ -338,6 +347,7 @@ def main():
         sleepers_are_not_waited_for(grader)
         what_one_call_leaves_another_does_not_find(grader)
         a_tree_that_is_too_large_is_told(grader)
+        constant_structures_cannot_be_written_to(grader)
     finally:
         sandbox.end_strays()
         shutil.rmtree(folder, ignore_errors=True)

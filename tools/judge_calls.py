@@ -461,15 +461,15 @@ def _take_pointer(headers, value):
         yield f"    }};\n    {kind} *{name} = rk_unit_takes() ? rk_unit_room(&before_{name}, {size}) : NULL;"
         return
     if value.way == "made":
-        yield f"    bool has_{name} = rk_unit_takes();\n    {kind} made_{name};"
-        yield f"    memset(&made_{name}, 0, sizeof made_{name});"
-        yield f"    {kind} *{name} = has_{name} ? &made_{name} : NULL;"
+        yield f"    {kind} *{name} = rk_unit_takes() ? rk_unit_room(NULL, sizeof *{name}) : NULL;"
+        yield f"    if ({name})\n        memset({name}, 0, sizeof *{name});"
         return
     if value.way == "in" and not pointers:
         yield f"    const {kind} *{name} = rk_unit_takes() ? rk_unit_take_array({size}) : NULL;"
         return
     contents = "NULL" if value.way == "out" else f"rk_unit_take_array({size})"
-    yield f"    {kind} *{name} = rk_unit_takes() ? rk_unit_room({contents}, {size}) : NULL;"
+    room = "rk_unit_pages" if value.way == "in" else "rk_unit_room"
+    yield f"    {kind} *{name} = rk_unit_takes() ? {room}({contents}, {size}) : NULL;"
     if value.way == "out" and _has_text(headers, kind):
         yield f"    if ({name})\n        memset({name}, 0, {size}); /* an empty text */"
     for _, pointer, bytes_ in pointers:
@@ -508,6 +508,8 @@ def _server(headers, kind, name, values):
         if value.is_pointer():
             yield from _take_pointer(headers, value)
     call = f"{name}({', '.join(value.name for value in values)});"
+    if any(value.way == "in" and list(headers.pointers(value)) for value in values):
+        yield "    rk_unit_close_pages();"
     yield "    rk_unit_begin_call();"
     yield f"    {kind} result = {call}" if kind != "void" else f"    {call}"
     yield "    rk_unit_end_call();"

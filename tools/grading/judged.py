@@ -23,7 +23,7 @@ _PATIENCE = 20  # seconds that a judge may work on when the unit's process has e
 
 def files(stem):
     """Returns the files of the build folder that a judge of this feature needs."""
-    return [f"impl/judge/{name}" for name in (f"{stem}-judge", f"{stem}-serve.o", "unit.o", "unit-wait.o")]
+    return [f"impl/judge/{name}" for name in (f"{stem}-judge", f"{stem}-serve.o", "unit.o", "wait.o")]
 
 
 def is_possible(toolchain, stem):
