@@ -113,6 +113,13 @@ def another_seed_asks_other_things(folder):
         check(next(others, None), f"{stem}: SEED=7 draws other random cases")
 
 
+def units_without_functions_earn_nothing(grader):
+    for stem in APART:
+        verdicts, points = grader.verdicts(stem, "typedef int nothing;\n", True)
+        check(points == 0 and all("your file does not define" in reason for _, reason in verdicts.values()),
+              f"{stem}: a file without functions earns nothing", f"{points} {verdicts}")
+
+
 def right_units_pass_apart(grader):
     for stem in APART:
         verdicts, points = grader.verdicts(stem, text_of(stem), True)
@@ -341,6 +348,7 @@ def main():
         grader = Grader(folder)
         a_judge_speculates_until_an_answer_is_another_one(grader)
         its_cost_is_measured()
+        units_without_functions_earn_nothing(grader)
         right_units_pass_apart(grader)
         starters_and_mistakes_get_the_same_verdicts(grader)
         forgeries_earn_no_more_than_their_code(grader)

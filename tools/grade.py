@@ -161,6 +161,7 @@ def _object_of(toolchain, unit, folder):
     flags = [*toolchain.sanitize, "-g1", "-O1"]
     path, warnings = build.compile_unit(toolchain, unit, folder, flags)
     found = build.check_object(toolchain, unit, path)
+    build.check_definitions(toolchain, unit, found)
     build.keep_interface(toolchain, unit.feature, path, for_suite=True)
     return path, warnings, found
 

@@ -298,6 +298,17 @@ def check_object(toolchain, unit, path):
     return found
 
 
+def check_definitions(toolchain, unit, found):
+    """Raises BuildError if the unit leaves out what the linker would then find in the kit's library, which has
+    the triangle test for all traversals."""
+    there = set(global_symbols(toolchain, toolchain.built("librkbase.a")))
+    defined = {name for flags, *_, name in found.symbols if flags[0] != "l"}
+    missing = [name for name in global_symbols(toolchain, toolchain.built(f"src/features/{unit.feature.stem}.o"))
+               if name in there and name not in defined]
+    if missing:
+        raise BuildError(f"your file does not define {_some(missing)}, which the suite calls")
+
+
 def check_names(toolchain, unit, found):
     """Raises BuildError if the unit uses what a unit may not. Asked after linking, which finds names that
     nothing defines."""
