@@ -13,9 +13,11 @@ enum {
     RK_JUDGE_BYTES = 256 << 20, /* of either memory; only pages that are used exist */
     RK_JUDGE_FIRST = 4096,      /* the place of the first request; before it are the heads below */
     RK_JUDGE_ALIGNMENT = 16,    /* of all values in requests and answers */
-    RK_JUDGE_BATCH = 256,       /* requests or answers after which a reader that sleeps is woken */
-    RK_JUDGE_FROM_FRONT = -1,   /* in place of a function: the next request is the first again */
-    RK_JUDGE_KEEP = -2,         /* the same: an object that later calls name by its id */
+    RK_JUDGE_RUN = 16,        /* requests or answers that are counted at once where more follow: */
+                              /* memory in which processes count moves from core to core */
+    RK_JUDGE_BATCH = 256,     /* of them, after so many a reader that sleeps is woken */
+    RK_JUDGE_FROM_FRONT = -1, /* in place of a function: the next request is the first again */
+    RK_JUDGE_KEEP = -2,       /* the same: an object that later calls name by its id */
     RK_JUDGE_KEPT_ALIGNMENT = 64,
     RK_JUDGE_KEPT_MAX = 1 << 14, /* objects in a lap */
     RK_JUDGE_LEAKS = 23,         /* exit status of the unit's process: memory was lost */

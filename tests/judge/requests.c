@@ -39,8 +39,15 @@ void rk_judge_grow(size_t bytes)
 
 /* --- Waiting --- */
 
+static void count_published(void)
+{
+    atomic_store_explicit(&rk_judge.asked->published, rk_judge.known, memory_order_release);
+}
+
 void rk_judge_wake_readers(void)
 {
+    if (rk_judge.speculates)
+        count_published();
     rk_judge_wake(&rk_judge.asked->published, &rk_judge.answered->is_waiting);
     rk_judge_wake(&rk_judge.asked->published, &rk_judge.asked->is_waiting);
 }
@@ -95,7 +102,8 @@ void rk_judge_publish(rk_judge_request *head, size_t bytes)
         rk_judge_map_next_pages();
     memcpy(rk_judge.asked_memory + rk_judge.end, head, bytes);
     rk_judge.end += head->span;
-    atomic_store_explicit(&rk_judge.asked->published, rk_judge.known, memory_order_release);
+    if (!rk_judge.speculates || rk_judge.known % RK_JUDGE_RUN == 0)
+        count_published();
     if (!rk_judge.predicts || rk_judge.known % RK_JUDGE_BATCH == 0)
         rk_judge_wake_readers();
 }

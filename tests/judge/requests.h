@@ -39,6 +39,7 @@ static inline bool rk_judge_is_answered(uint32_t number)
     return (int32_t)(answered - number) > 0;
 }
 
+/* Has all be seen that was published. */
 void rk_judge_wake_readers(void);
 
 /* Fails the test if the unit's process ends before. */

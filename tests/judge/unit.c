@@ -211,14 +211,35 @@ static void answer_request(const unsigned char *requests, unsigned char *answers
     open_request(head);
 }
 
+/* Waits for requests; returns the number after those that are answered next. */
+static uint32_t end_of_run(uint32_t count)
+{
+    uint32_t published;
+    while ((published = atomic_load_explicit(&unit.asked->published, memory_order_acquire)) ==
+           count)
+        rk_judge_wait(&unit.asked->published, count, &unit.answered->is_waiting);
+    uint32_t run = RK_JUDGE_RUN - count % RK_JUDGE_RUN;
+    return count + (published - count < run ? published - count : run);
+}
+
+static void count_answered(uint32_t count)
+{
+    atomic_store_explicit(&unit.answered->answered, count, memory_order_release);
+    bool is_all = atomic_load_explicit(&unit.asked->published, memory_order_acquire) == count;
+    if (is_all || count % RK_JUDGE_BATCH == 0)
+        rk_judge_wake(&unit.answered->answered, &unit.asked->is_waiting);
+}
+
 static void serve(const unsigned char *requests, unsigned char *answers)
 {
     size_t place = RK_JUDGE_FIRST;
+    uint32_t run_end = 0;
     for (uint32_t count = 0;; count++) {
-        while (atomic_load_explicit(&unit.asked->published, memory_order_acquire) == count)
-            rk_judge_wait(&unit.asked->published, count, &unit.answered->is_waiting);
-        if (unit.asked->ended)
-            return;
+        if (count == run_end) {
+            run_end = end_of_run(count);
+            if (unit.asked->ended)
+                return;
+        }
         const rk_judge_request *head = (const rk_judge_request *)(requests + place);
         if (head->function == RK_JUDGE_KEEP)
             keep(head);
@@ -227,11 +248,8 @@ static void serve(const unsigned char *requests, unsigned char *answers)
         else
             answer_request(requests, answers, place);
         place = head->function == RK_JUDGE_FROM_FRONT ? RK_JUDGE_FIRST : place + head->span;
-        atomic_store_explicit(&unit.answered->answered, count + 1, memory_order_release);
-        bool is_all =
-            atomic_load_explicit(&unit.asked->published, memory_order_acquire) == count + 1;
-        if (is_all || count % RK_JUDGE_BATCH == 0)
-            rk_judge_wake(&unit.answered->answered, &unit.asked->is_waiting);
+        if (count + 1 == run_end)
+            count_answered(run_end);
     }
 }
 
