@@ -134,6 +134,9 @@ BAD = {
         unit("", any_name="another"), ONE, "your file does not define rk_bvh_occluded, which the suite calls"
     ),
     "a unit that does not compile shows the first error": (unit("cuont++;"), ONE, "cuont"),
+    "what ends the compiler is told as such": (
+        unit("", f"int deep = {200000 * '('}1{200000 * ')'};"), ONE, "nested too deeply"
+    ),
     "exit in the middle of a test is no pass": (unit("exit(0);", by_address("exit")), ONE,
                                                 "in the middle of the test"),
     "_Exit after printing ok is no pass": (
@@ -320,9 +323,9 @@ def _strings(value):
 
 def what_code_prints_is_its_own_word(suite):
     """Outcomes as code can make them: each has a reason that the grader stands for."""
-    def reason_of(output, status=-6):
+    def reason_of(output, status=-6, testimony=""):
         outcome = sandbox.Outcome()
-        outcome.status, outcome.output = status, output
+        outcome.status, outcome.output, outcome.testimony = status, output, testimony
         verdict = verdicts.judge(outcome, suite, ONE, "1 s", 100)
         return f"{verdict.reason} at {verdict.place}"
 
@@ -343,6 +346,12 @@ def what_code_prints_is_its_own_word(suite):
           "a sanitizer's report is told by its term")
     check("undefined behaviour: division by zero" in
           reason_of(f"{unit_c}:3:4: runtime error: division by zero"), "and so is undefined behaviour")
+    report = "==1==ERROR: AddressSanitizer: heap-use-after-free on address 0x1"
+    check("is not sound at" in reason_of(report, 1, "suite.c:7\nthe tree is not sound"),
+          "where a claim has failed, a report is what the code printed")
+    check("a NULL pointer (SEGV) at" in reason_of(
+        report + "\n==1==ERROR: AddressSanitizer: SEGV on unknown address 0x000000000000"),
+          "of two reports the sanitizer's is the last")
     check("signal 127" in reason_of("", -127), "a signal that there is not has a number", reason_of("", -127))
 
 
@@ -780,6 +789,8 @@ def who_hangs_loses_nothing_twice(folder):
     check((suite.points(), suite.limit_of_next_test(10)[0]) == (10, 2),
           "at home a claim that hangs costs no points beside its own, and others are waited for 2 s",
           (suite.points(), suite.limit_of_next_test(10)))
+    check(f"held (costs {DEDUCTION} points when graded" in results.text([suite], ""),
+          "which a student's own check says", results.text([suite], ""))
     suite.is_own = False
     check((suite.points(), suite.limit_of_next_test(10)[0]) == (10 - DEDUCTION, 10),
           "a grader gives what may be right its time, and counts all",

@@ -238,6 +238,7 @@ HONEST = {
         "{\n    return x;\n}\n"),
     "pragmas that say something": unit("", "#pragma omp declare simd\nstatic int odd(int x);\n"
                                        "#pragma region folded by editors\n#pragma endregion\n#pragma mark -\n"
+                                       "#pragma warning(disable: 4996)\n#pragma message(\"seen\")\n"
                                        "#pragma GCC diagnostic push\n#pragma GCC diagnostic pop\n"
                                        "static int odd(int x)\n{\n    return x;\n}\n"),
     "what a second look at the source would see": unit(

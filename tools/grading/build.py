@@ -16,8 +16,17 @@ from grading import unit_rules
 from grading.assignments import ToolError
 from grading.c_source import functions_of, line_of, tokens_of
 
-_SECONDS = 60
+_SECONDS = 30
 _MEGABYTES = 4096
+# What ends a compiler: limits, and signals by its own words.
+_ENDS = {
+    "seconds": f"took more than {_SECONDS} seconds of processor time",
+    "memory": f"took more than {_MEGABYTES} MB of memory",
+    "stopped": "was stopped",
+    "output": "printed megabytes of output",
+    "File size limit exceeded": "wrote a file of more than 256 MB",
+    "Segmentation fault": "ended by itself: what is nested too deeply takes all of its stack",
+}
 
 
 class BuildError(Exception):
@@ -191,11 +200,11 @@ def _check_text(unit):
 def _compile(toolchain, unit, folder, arguments):
     """Returns the compiler's warnings, or raises BuildError."""
     outcome = _run_tool(toolchain, [*toolchain.compiler, *arguments], folder)
-    if outcome.limit:
-        raise BuildError(
-            f"{unit.shown} could not be compiled: the compiler took more than its {outcome.limit}"
-        )
     said = plain(toolchain, unit, outcome.output)
+    cause = outcome.limit or _signal_of(said)
+    if cause:
+        raise BuildError(f"{unit.shown} could not be compiled: the compiler {_ENDS.get(cause, cause)}; is "
+                         "there a huge array, or a macro that grows?")
     if outcome.status != 0:
         absent = re.search(r"fatal error: (.+): No such file", said)
         if absent:
@@ -207,6 +216,12 @@ def _compile(toolchain, unit, folder, arguments):
         reason = f"does not compile: {first}{hint}" if first else f"{unit.shown} does not compile"
         raise BuildError(reason, _up_to_second_error(said) if brace else said)
     return said.strip()
+
+
+def _signal_of(said):
+    """Returns which signal ended the compiler itself, which calls it an error of its own, or ""."""
+    found = re.search(r"internal compiler error: (.+) signal terminated program", said)
+    return found[1] if found and found[1] in _ENDS else ""
 
 
 def _missing_brace(unit, said):
@@ -299,12 +314,12 @@ def check_object(toolchain, unit, path):
 
 
 def check_definitions(toolchain, unit, found):
-    """Raises BuildError if the unit leaves out what the linker would then find in the kit's library, which has
-    the triangle test for all traversals."""
+    """Raises BuildError if the unit leaves out what the linker would then find in the kit's library, which
+    has the triangle test for all traversals."""
     there = set(global_symbols(toolchain, toolchain.built("librkbase.a")))
     defined = {name for flags, *_, name in found.symbols if flags[0] != "l"}
-    missing = [name for name in global_symbols(toolchain, toolchain.built(f"src/features/{unit.feature.stem}.o"))
-               if name in there and name not in defined]
+    interface = global_symbols(toolchain, toolchain.built(f"src/features/{unit.feature.stem}.o"))
+    missing = [name for name in interface if name in there and name not in defined]
     if missing:
         raise BuildError(f"your file does not define {_some(missing)}, which the suite calls")
 

@@ -105,11 +105,16 @@ def name_of(impl):
                   lambda found: "".join(f"\\x{byte:02x}" for byte in os.fsencode(found[0])), name)
 
 
+def _when(suite, test):
+    """What did not end may end where others than its student's own check wait for it (scores)."""
+    return " when graded" if suite.is_own and suite.verdicts[test.name].timed_out else ""
+
+
 def _worth(suite, test):
     if test.name in suite.excused:
         return f"costs nothing: it fails with the starter, too, by {' or '.join(suite.feature.needs)}"
     if not test.points:
-        return f"costs {DEDUCTION} points: it held with the starter"
+        return f"costs {DEDUCTION} points{_when(suite, test)}: it held with the starter"
     return f"{test.points} point{'s' * (test.points != 1)}"
 
 
@@ -149,7 +154,7 @@ def _some(lines, most, more):
 
 def _named(suite, test):
     cost = 0 if test.name in suite.excused else DEDUCTION
-    return f"{test.name} ({test.points or f'costs {cost}'})"
+    return f"{test.name} ({test.points or f'costs {cost}{_when(suite, test)}'})"
 
 
 def _all_others(suite, failed, first):

@@ -16,7 +16,8 @@ from grading.assignments import ToolError
 
 _MARKER = re.compile(r"^# \d+ .*$", re.MULTILINE)  # of the preprocessor: a place in a file
 _DIRECTIVE = re.compile(r"^[ \t]*(?:#|%:|\?\?=)[ \t]*(.*)$", re.MULTILINE)
-_PRAGMAS = re.compile(r"pragma (?:STDC|omp|once|pack|region|endregion|mark|push_macro|pop_macro"
+_PRAGMAS = re.compile(r"pragma (?:STDC|omp|once|pack|region|endregion|mark|push_macro|pop_macro|message"
+                      r"|warning|comment|ivdep"
                       r"|GCC (?:diagnostic|optimize|target|unroll|ivdep|poison|system_header|push_options"
                       r"|pop_options|visibility|warning|error)"
                       r"|clang (?:diagnostic|loop|fp|optimize|system_header|assume_nonnull))\b|$")

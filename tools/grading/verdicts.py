@@ -95,11 +95,19 @@ def _printed(what):
     return f"the code ended the program, after it printed \"{what[:200]}\"", ""
 
 
+_REPORT = re.compile(r"^(.+?):(\d{1,6}):\d+: runtime error: (.+)$|ERROR: AddressSanitizer:? (.*)",
+                     re.MULTILINE)
+
+
 def _crash(text, unit):
-    """Returns (reason, place) for a sanitizer's report, or None."""
-    behaviour = re.search(r"^(.+?):(\d{1,6}):\d+: runtime error: (.*)$", text, re.MULTILINE)
+    """Returns (reason, place) for a sanitizer's report, or None. A report is the last of its text: what
+    stands before, the code itself has printed."""
+    reports = list(_REPORT.finditer(text))
+    if not reports:
+        return None
+    path, line, behaviour, crash = reports[-1].groups()
+    text, what = text[reports[-1].start():], behaviour or crash
     if behaviour:
-        path, line, what = behaviour.groups()
         if not _UNDEFINED.match(what):
             return _printed(what)
         if "null pointer" in what:
@@ -107,10 +115,6 @@ def _crash(text, unit):
         elif "insufficient space" in what:
             what = f"it goes beyond the end of the pointer's object ({what})"
         return f"undefined behaviour: {what}", _place_in_unit(text, unit) or f"{path}:{line}"
-    report = re.search(r"ERROR: AddressSanitizer:? (.*)", text)
-    if not report:
-        return None
-    what = report.group(1)
     given = _misuse_of_arguments(text, what)
     if given:
         return given, _place_in_unit(text, unit)
@@ -199,10 +203,10 @@ def judge(outcome, suite, name, limit, megabytes):
         return verdict
     crash, claim = _crash(text, unit), _failed_claim(outcome, name, suite.source)
     without = _refused(text, megabytes)
-    if crash:
-        return fail(without + crash[0], crash[1])
     if claim and outcome.status and not outcome.attested:
         return fail(without + claim[0], claim[1])
+    if crash:
+        return fail(without + crash[0], crash[1])
     if outcome.status < 0:
         return fail(f"crashed: {_name_of_signal(-outcome.status)}")
     if outcome.attested:
