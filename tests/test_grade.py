@@ -964,6 +964,34 @@ def what_a_course_system_delivers(folder):
           "a table, and an archive beside its folder, are no students", said)
 
 
+def what_cannot_be_read_is_not_graded(folder):
+    """The instructor's copy is to blame, so it earns no 0 points."""
+    place, out = os.path.join(folder, "unreadable"), os.path.join(folder, "unreadable-results")
+    put(unit(""), place, "file", "bvh_median.c")
+    for names in (["folder"], ["names", "only"], ["below", "inner"]):
+        put(unit(""), place, *names, "bvh_median.c")
+    modes = {"file/bvh_median.c": 0, "folder": 0, "names/only": 0o600, "below/inner": 0}
+    for name, mode in modes.items():
+        os.chmod(os.path.join(place, name), mode)
+    # root reads everything, unless it may not.
+    rights = "-dac_override,-dac_read_search"
+    plainly = ["setpriv", f"--bounding-set={rights}", f"--inh-caps={rights}"] if os.geteuid() == 0 else []
+    tool = [*plainly, sys.executable, "-B", os.path.join(SOURCE, "tools", "grade_class.py"), "bvh_median"]
+    status, said = run(*tool, "--submissions", place, "--out", out)
+    told = {"file": "bvh_median.c", "folder": "the folder folder", "names": "the folder names/only",
+            "below": "the folder below/inner"}
+    check(status == 1 and "0 of 4 graded" in said
+          and all(f"{name} cannot be read; check its permissions" in said for name in told.values())
+          and all(f"not graded: {name} cannot" in read(out, f"{key}.json") for key, name in told.items()),
+          "folders and files that cannot be read are told, and not graded", said)
+    tool[-2] = os.path.join(SOURCE, "tools", "grade.py")
+    status, said = run(*tool, "--own", "--impl", os.path.join(place, "folder"))
+    check(status == 2 and "the folder folder cannot be read; check its permissions" in said,
+          "so is a folder of one's own", said)
+    for name in modes:
+        os.chmod(os.path.join(place, name), 0o700)
+
+
 def spans_are_told_as_such(folder):
     put(starter_of(FEATURES["bloom"].reference), folder, "spans", "bloom.c")
     cases = {"the_bright_span_is_from_the_first_to_the_last_bright_pixel": r"got \[0, 0\), want \[3, 4\)$",
@@ -1130,6 +1158,7 @@ def main():
         a_class_is_graded(folder)
         a_class_is_graded_again(folder)
         what_a_course_system_delivers(folder)
+        what_cannot_be_read_is_not_graded(folder)
         spans_are_told_as_such(folder)
         one_file_is_no_two_assignments(folder)
         names_are_any_bytes(folder)

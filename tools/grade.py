@@ -31,10 +31,9 @@ from grading import results
 from grading import sandbox
 from grading import unit_rules
 from grading.assignments import (
-    DEDUCTION, FREES_ALL, KEEPS_NOTHING, Parser, ToolError, Unit, UnitError, check_impl, choose,
-    choose_format,
-    handed_in, ignored_in, missing_unit, read_features, read_points, submitted_unit, unit_beside,
-    units_of_suite,
+    DEDUCTION, FREES_ALL, KEEPS_NOTHING, Parser, ToolError, Unit, UnitError, UnreadableError,
+    check_impl, choose, choose_format, handed_in, ignored_in, missing_unit, read_features, read_points,
+    submitted_unit, unit_beside, units_of_suite,
 )
 from grading.starters import is_starter
 from grading.verdicts import Verdict, judge, judge_kept_data, judge_leaks, make_secret
@@ -469,6 +468,8 @@ def _prepare_suite(feature, impl, own, only):
         suite.remarks += remarks + (_not_handed_in(unit) if own else [])
         return suite
     except UnitError as error:
+        if isinstance(error, UnreadableError) and not own:
+            raise
         suite = Suite(feature, Unit(feature, None, feature.stem + ".c", False), tests)
         suite.give_up(str(error))
         return suite

@@ -25,6 +25,13 @@ class UnitError(ToolError):
     """A submission that cannot be graded, and so earns nothing; the text is the reason."""
 
 
+class UnreadableError(UnitError):
+    """One that the system does not let this user read, so nobody knows what it earns."""
+
+    def __init__(self, what):
+        super().__init__(f"{what} cannot be read; check its permissions")
+
+
 def cannot_write(path, error):
     """Returns the ToolError for an OSError that prevents writing a file or folder."""
     return ToolError(f"{path}: cannot be written: {error.strerror}; free some space, or choose another place")
@@ -233,13 +240,35 @@ def walk(folder):
 _TOO_DEEP = " ..."
 
 
-def _files_below(folder):
-    """Returns the files below a folder as paths from there, without hidden ones, those at the top first."""
-    found = []
+def _walk_visible(folder):
+    """As walk, without hidden files and folders."""
     for where, folders, names in walk(folder):
         # macOS puts a folder of this name into archives.
         folders[:] = [name for name in folders if name[0] != "." and name != "__MACOSX"]
-        found += [os.path.relpath(os.path.join(where, name), folder) for name in names if name[0] != "."]
+        yield where, folders, [name for name in names if name[0] != "."]
+
+
+def _check_readable(folder, top=None):
+    """Raises UnreadableError for a folder, named as seen from where its `top` lies."""
+    if not os.access(folder, os.R_OK | os.X_OK):
+        above = os.path.dirname(os.path.abspath(top or folder))
+        raise UnreadableError(f"the folder {os.path.relpath(folder, above)}")
+
+
+def _check_readable_below(top):
+    """The same for a folder and all in it."""
+    _check_readable(top)
+    for where, folders, _ in _walk_visible(top):
+        for path in (os.path.join(where, name) for name in folders):
+            if not os.path.islink(path):  # these are not followed
+                _check_readable(path, top)
+
+
+def _files_below(folder):
+    """Returns the files below a folder as paths from there, without hidden ones, those at the top first."""
+    found = []
+    for where, _, names in _walk_visible(folder):
+        found += [os.path.relpath(os.path.join(where, name), folder) for name in names]
     return sorted(found, key=lambda path: (path.count(os.sep), path))
 
 
@@ -255,7 +284,7 @@ def _unit_in(feature, path):
     if not os.path.isfile(path):
         raise UnitError(f"{os.path.basename(path)} is not a plain file")
     if not os.access(path, os.R_OK):
-        raise UnitError(f"{os.path.basename(path)} cannot be read; check its permissions")
+        raise UnreadableError(os.path.basename(path))
     return Unit(feature, path, path, False)
 
 
@@ -312,6 +341,8 @@ def handed_in(feature, impl):
     if not os.path.isdir(impl) or os.path.lexists(os.path.join(impl, feature.stem + ".c")):
         return submitted_unit(feature, impl), []
     place = _place_below(feature, impl)
+    if not place or not os.path.lexists(os.path.join(impl, place)):
+        _check_readable_below(impl)
     unit, remarks = submitted_unit(feature, impl, place), [f"taken from {place}"]
     suite = os.path.join(os.path.dirname(os.path.dirname(place)), "tests", os.path.basename(feature.suite))
     path = os.path.join(impl, suite)
@@ -395,6 +426,7 @@ def check_impl(features, impl, stems, may_be_empty=False):
     if os.path.isdir(impl):
         if not may_be_empty and not any(os.path.lexists(os.path.join(impl, stem + ".c"))
                                         for stem in features):
+            _check_readable(impl)
             if len(stems) == 1 and _likely(features[stems[0]], impl):
                 raise missing_unit(features[stems[0]], impl)
             names = ", ".join(stem + ".c" for stem in features)
