@@ -935,6 +935,10 @@ def what_a_course_system_delivers(folder):
     put(unit(""), place, "11_dup", "bvh_median.c")
     put("", place, "11_dup.zip")
     put("name,points\n", place, "grades.csv")
+    for name in (".DS_Store", "._11_dup.c", ".gitignore", ".12_dot.c"):
+        put("", place, name)
+    for name in (".git", ".vscode", ".13_dot"):
+        put(unit(""), place, name, "bvh_median.c")
     status, said, rows = grade_class(place, out)
     wrong = {
         "03_two": "several bvh_median.c: a/bvh_median.c, b/bvh_median.c; move the right one",
@@ -960,8 +964,8 @@ def what_a_course_system_delivers(folder):
         said_there = read(out, name + ".json")
         check(name == "11_dup" or all(part in said_there for part in remark.split("; ")),
               f"also in the report of {name}", said_there)
-    check("ignored: 11_dup.zip, grades.csv\n" in said and set(rows) == {"name", *wrong, *right},
-          "a table, and an archive beside its folder, are no students", said)
+    check("ignored: .12_dot.c, .13_dot, 11_dup.zip, grades.csv\n" in said and set(rows) == {"name", *wrong, *right},
+          "a table, hidden work, and an archive beside its folder, are no students, but named", said)
 
 
 def what_cannot_be_read_is_not_graded(folder):

@@ -29,11 +29,16 @@ from grade import Suite, check_seed, grade_submission, stop_on_signals
 
 _ENDINGS = {"text": ".txt", "table": ".txt", "tap": ".tap", "junit": ".xml", "gradescope": ".json"}
 _SHOWN = 3  # claims that the class failed most often
+# What systems, editors and version control leave behind.
+_LEFT_BEHIND = re.compile(r"\.(_.*|DS_Store|localized|Spotlight-V100|Trash.*|fseventsd|directory|nfs.*"
+                          r"|git(ignore|attributes|modules|keep|hub)?|svn|hg(ignore|tags)?"
+                          r"|vscode|vs|idea|project|editorconfig|clang-format|clangd|cache"
+                          r"|~lock\..*|.*\.sw[a-p]|part-.*)")
 
 
 def submissions_in(folder):
-    """Returns a dictionary from name to path, and the names of stray files: a table of grades is nobody's
-    work."""
+    """Returns a dictionary from name to path, and the names of strays: a table of grades is nobody's work,
+    nor is what is hidden."""
     if not folder or not os.path.isdir(folder):
         raise ToolError(f"SUBMISSIONS: there is no folder {folder}" if folder else
                         "say where the submissions are: make grade-class SUBMISSIONS=folder OUT=results")
@@ -41,6 +46,7 @@ def submissions_in(folder):
     for entry in sorted(os.listdir(folder)):
         path, stem = os.path.join(folder, entry), entry.removesuffix(".c")
         if entry.startswith("."):
+            strays += [] if _LEFT_BEHIND.fullmatch(entry) else [entry]
             continue
         is_unpacked = is_archive(entry) and os.path.isdir(os.path.join(folder, _student(entry)))
         if is_unpacked or not (os.path.isdir(path) or os.path.islink(path) or entry.endswith(".c")
