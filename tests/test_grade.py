@@ -964,7 +964,8 @@ def what_a_course_system_delivers(folder):
         said_there = read(out, name + ".json")
         check(name == "11_dup" or all(part in said_there for part in remark.split("; ")),
               f"also in the report of {name}", said_there)
-    check("ignored: .12_dot.c, .13_dot, 11_dup.zip, grades.csv\n" in said and set(rows) == {"name", *wrong, *right},
+    check("ignored: .12_dot.c, .13_dot, 11_dup.zip, grades.csv\n" in said 
+          and set(rows) == {"name", *wrong, *right},
           "a table, hidden work, and an archive beside its folder, are no students, but named", said)
 
 
@@ -994,6 +995,14 @@ def what_cannot_be_read_is_not_graded(folder):
           "so is a folder of one's own", said)
     for name in modes:
         os.chmod(os.path.join(place, name), 0o700)
+
+
+def what_vanishes_is_not_graded(toolchain, folder):
+    gone = os.path.join(folder, "gone")
+    suites, was_graded = grade_class_tool._suites_of(toolchain, [FEATURE], gone, folder)
+    said = suites[0].problem
+    check(not was_graded and said == "not graded: gone vanished while the class was graded",
+          "a submission that vanishes is told to who grades, as that", said)
 
 
 def spans_are_told_as_such(folder):
@@ -1163,6 +1172,7 @@ def main():
         a_class_is_graded_again(folder)
         what_a_course_system_delivers(folder)
         what_cannot_be_read_is_not_graded(folder)
+        what_vanishes_is_not_graded(toolchain, folder)
         spans_are_told_as_such(folder)
         one_file_is_no_two_assignments(folder)
         names_are_any_bytes(folder)
