@@ -5,6 +5,7 @@ for make check; runs in a build folder."""
 import contextlib
 import copy
 import csv
+import glob
 import io
 import json
 import os
@@ -534,6 +535,29 @@ def an_interrupt_ends_everything(folder):
           "Ctrl-C leaves no process and no folder", os.listdir(place))
 
 
+def more_interrupts_leave_no_folder(folder):
+    place, work = os.path.join(folder, "impatient"), os.path.join(folder, "impatient-temporary")
+    put(unit("for (volatile int k = 0; k < 2; k = 0) { }"), place, "ann", "bvh_median.c")
+    os.makedirs(work)
+    grader = subprocess.Popen(
+        [sys.executable, "-B", os.path.join(SOURCE, "tools", "grade_class.py"), "bvh_median",
+         "--submissions", place, "--out", os.path.join(folder, "impatient-results")],
+        env=dict(os.environ, TMPDIR=work), stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+        start_new_session=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )
+    a_run = os.path.join(work, "raykit-grade-*", "raykit-grade-*", "bvh_median", "tmp*")
+    while not glob.glob(a_run) and grader.poll() is None:
+        time.sleep(0.02)
+    for _ in range(5):
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(grader.pid, signal.SIGINT)
+        time.sleep(0.05)
+    status = grader.wait(20)
+    check(status in (130, -signal.SIGINT) and not os.listdir(work),
+          "Ctrl-C that is pressed again leaves no folder", f"{status} {os.listdir(work)}")
+
+
 # --- Submissions --------------------------------------------------------------------------------
 
 
@@ -964,7 +988,7 @@ def what_a_course_system_delivers(folder):
         said_there = read(out, name + ".json")
         check(name == "11_dup" or all(part in said_there for part in remark.split("; ")),
               f"also in the report of {name}", said_there)
-    check("ignored: .12_dot.c, .13_dot, 11_dup.zip, grades.csv\n" in said 
+    check("ignored: .12_dot.c, .13_dot, 11_dup.zip, grades.csv\n" in said
           and set(rows) == {"name", *wrong, *right},
           "a table, hidden work, and an archive beside its folder, are no students, but named", said)
 
@@ -1181,6 +1205,7 @@ def main():
         a_used_unit_is_the_kits(toolchain, folder)
         a_needed_starter_costs_nothing(toolchain, folder)
         an_interrupt_ends_everything(folder)
+        more_interrupts_leave_no_folder(folder)
     finally:
         shutil.rmtree(folder, ignore_errors=True)
     return finish()

@@ -383,16 +383,21 @@ def only_data_is_believed():
 def what_was_left_is_removed(folder):
     process = subprocess.Popen(["true"])
     process.wait()
-    old, alive, young = (os.path.join(folder, f"raykit-grade-{owner}-{k}") for k, owner in
-                         enumerate((process.pid, os.getpid(), process.pid)))
-    for path in (old, alive, young):
+    old, alive, others, young = (os.path.join(folder, f"raykit-grade-{owner}-{k}") for k, owner in
+                                 enumerate((process.pid, os.getpid(), process.pid, process.pid)))
+    for path in (old, alive, others, young):
         os.mkdir(path)
-    for path in (old, alive):
+    for path in (old, alive, others):
         os.utime(path, (0, 0))
+    if os.geteuid() == 0:
+        os.chown(others, 12345, -1)
+    else:
+        os.rmdir(others)
     tempfile.tempdir, kept = folder, tempfile.tempdir
     made = private_copy.make_folder()
     tempfile.tempdir = kept
-    check(not os.path.exists(old) and os.path.exists(alive) and os.path.exists(young) and os.path.isdir(made),
+    check(not os.path.exists(old) and os.path.exists(alive) and os.path.exists(young) and os.path.isdir(made)
+          and os.path.exists(others) == (os.geteuid() == 0),
           "folders of graders that were killed are removed by the next one", os.listdir(folder))
 
 

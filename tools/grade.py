@@ -611,13 +611,19 @@ def check_seed():
 
 
 def stop_on_signals():
-    """SIGTERM and SIGHUP end a script as Ctrl-C does: with everything that it started."""
+    """SIGTERM and SIGHUP end a script as Ctrl-C does: with everything that it started. A second one would
+    only end the cleaning up, which does not take long, so it changes nothing."""
+    numbers = [signal.SIGTERM, signal.SIGHUP]
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # it is ignored in the background
+        numbers.append(signal.SIGINT)
 
     def interrupt(_number, _frame):
+        for number in numbers:
+            signal.signal(number, lambda *_: None)  # with SIG_IGN, Python complains of one under way
         raise KeyboardInterrupt
 
     if threading.current_thread() is threading.main_thread():
-        for number in (signal.SIGTERM, signal.SIGHUP):
+        for number in numbers:
             signal.signal(number, interrupt)
 
 

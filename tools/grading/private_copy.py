@@ -18,7 +18,7 @@ _STALE = 3600  # seconds
 
 
 def make_folder():
-    """Makes a temporary folder for this process, and removes those of processes that were killed."""
+    """Makes a temporary folder for this process, and removes this user's of processes that were killed."""
     for path in glob.glob(os.path.join(glob.escape(tempfile.gettempdir()), "raykit-grade-*")):
         if _is_stale(path):
             shutil.rmtree(path, ignore_errors=True)
@@ -28,8 +28,9 @@ def make_folder():
 def _is_stale(path):
     owner = re.match(r"raykit-grade-(\d+)-", os.path.basename(path))
     try:
+        status = os.lstat(path)
         # Young ones may belong to a process that another container has.
-        if not owner or time.time() - os.lstat(path).st_mtime < _STALE:
+        if not owner or status.st_uid != os.geteuid() or time.time() - status.st_mtime < _STALE:
             return False
         os.kill(int(owner[1]), 0)
     except ProcessLookupError:
