@@ -76,6 +76,13 @@ REFUSED = {
     "exit": (unit("exit(0);"), "uses exit (line "),
     "exit, with what to do instead": (unit("exit(0);"), "return false"),
     "rand, with what to do instead": (unit("if (rand() < 0) return false;"), "rk_hash"),
+    "signal, which the headers rename": (
+        unit("signal(SIGSEGV, SIG_IGN);", "#include <signal.h>\n"), "uses signal (line "
+    ),
+    "setjmp, which the headers rename": (
+        unit("if (setjmp(place)) return false;", "#include <setjmp.h>\nstatic jmp_buf place;\n"),
+        "uses setjmp (line "
+    ),
     "fork": (unit("fork();"), "uses fork"),
     "a function that is called at exit": (unit("atexit(abort);"), "uses atexit"),
     "a shell": (unit('if (system("true")) return false;'), "uses system"),
@@ -213,7 +220,8 @@ HONEST = {
                      "    fflush(stdout);"),
     "assert": unit("assert(mesh != NULL);"),
     "errno and strings": unit('errno = 0;\n    char text[9];\n    strcpy(text, "a");\n'
-                              "    if (strtol(text, NULL, 10) && errno) return false;"),
+                              "    if (strtol(text, NULL, 10) && errno) return false;\n"
+                              "    if (strerror_r(2, text, sizeof text) == 3) return false;"),
     "all of math.h": unit("volatile double x = 2;\n    x = lgamma(x) + tgamma(x) + fma(x, x, x) + erf(x);\n"
                           "    x = remquo(x, x, &(int){0});"),
     "the less known of math.h, and complex.h": unit(

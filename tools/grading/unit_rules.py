@@ -278,6 +278,7 @@ _COMPILERS = re.compile(
 
 def _plain(name):
     """Returns a function's name as a unit calls it, of one that is hardened, or of a certain standard."""
+    name = re.sub(r"^__(sysv|xpg|posix)_|^__?(?=(sig)?setjmp$)", "", name)
     is_changed = name.endswith("_chk") or name.startswith("__isoc")
     return re.sub(r"^__(isoc\d+_)?(\w+?)(_chk)?$", r"\2", name) if is_changed else name
 
