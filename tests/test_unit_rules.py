@@ -3,6 +3,7 @@
 that it did not earn. Speaks TAP, for make check; runs in a build folder."""
 
 import csv
+import gzip
 import json
 import os
 import re
@@ -303,6 +304,8 @@ def reasons_fit(grader):
         "text in UTF-16": (unit().encode("utf-16"), (), "is text in UTF-16; save it in UTF-8"),
         "text in UTF-16 without a mark": (unit().encode("utf-16-le"), (),
                                           "is text in UTF-16; save it in UTF-8"),
+        "an archive": (gzip.compress(unit().encode()), (), "is an archive (gzip); unpack it"),
+        "a program": (b"\x7fELF\2\1\1\0", (), "is a compiled program; hand in the text that it was made of"),
         "a header that hides the kit's": (
             unit(), [("features/bvh_median.h", "#error old\n")], "which hides the kit's; remove it"
         ),

@@ -187,11 +187,23 @@ def _refuse(unit, fault):
         raise BuildError(f"{unit.shown} {fault}")
 
 
+# How files begin that are no text.
+_ARCHIVES = {b"\x1f\x8b": "gzip", b"PK\3\4": "zip", b"BZh91AY&SY": "bzip2", b"\xfd7zXZ\0": "xz",
+             b"7z\xbc\xaf\x27\x1c": "7z", b"Rar!\x1a\7": "rar", b"\x28\xb5\x2f\xfd": "zstd"}
+_PROGRAMS = b"\x7fELF", b"\xcf\xfa\xed\xfe", b"!<arch>\n"
+
+
 def _check_text(unit):
     with open(unit.path, "rb") as file:
         text = file.read()
     if not text.strip():
         raise BuildError(f"{unit.shown} is empty")
+    archive = next((name for begin, name in _ARCHIVES.items() if text.startswith(begin)), None)
+    archive = "tar" if text[257:262] == b"ustar" else archive
+    if archive:
+        raise BuildError(f"{unit.shown} is an archive ({archive}); unpack it")
+    if text.startswith(_PROGRAMS):
+        raise BuildError(f"{unit.shown} is a compiled program; hand in the text that it was made of")
     begin = text[:4]
     if begin[:2] in (b"\xff\xfe", b"\xfe\xff") or (len(begin) == 4 and 0 in (begin[0], begin[1])):
         raise BuildError(f"{unit.shown} is text in UTF-16; save it in UTF-8")
