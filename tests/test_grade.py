@@ -5,6 +5,7 @@ for make check; runs in a build folder."""
 import contextlib
 import copy
 import csv
+import errno
 import glob
 import io
 import json
@@ -31,7 +32,7 @@ from grading import sandbox  # noqa: E402
 from grading import results  # noqa: E402
 from grading import verdicts  # noqa: E402
 from grading.assignments import (DEDUCTION, Feature, ScoredTest, ToolError, Unit,  # noqa: E402
-                                 cause_of, check_impl, read_features, read_points)
+                                 cannot_write, cause_of, check_impl, read_features, read_points)
 from grading.starters import is_handed_out, starter_of  # noqa: E402
 from workbook import make_workbook  # noqa: E402
 from by_address import by_address  # noqa: E402
@@ -1021,6 +1022,20 @@ def what_cannot_be_read_is_not_graded(folder):
         os.chmod(os.path.join(place, name), 0o700)
 
 
+def what_cannot_be_written_is_advised_on(folder):
+    said = {number: str(cannot_write("x", OSError(number, os.strerror(number))))
+            for number in (errno.ENOSPC, errno.EDQUOT, errno.EEXIST)}
+    check([number for number, text in said.items() if "free some space" in text]
+          == [errno.ENOSPC, errno.EDQUOT] and said[errno.EEXIST].endswith(os.strerror(errno.EEXIST)),
+          "only who has no space is told to free some", said)
+    name, place, out = "n" * 253, os.path.join(folder, "long"), os.path.join(folder, "long-results")
+    put("", place, name, "bvh_median.c")
+    status, said, rows = grade_class(place, out)
+    told = "no report: rename the submission: the report's name would be too long"
+    check(status == 1 and told in said and told in rows[name][6] and "space" not in said,
+          "a name that is too long for a report is told, with what to do", said)
+
+
 def what_vanishes_is_not_graded(toolchain, folder):
     gone = os.path.join(folder, "gone")
     suites, was_graded = grade_class_tool._suites_of(toolchain, [FEATURE], gone, folder)
@@ -1197,6 +1212,7 @@ def main():
         what_a_course_system_delivers(folder)
         what_cannot_be_read_is_not_graded(folder)
         what_vanishes_is_not_graded(toolchain, folder)
+        what_cannot_be_written_is_advised_on(folder)
         spans_are_told_as_such(folder)
         one_file_is_no_two_assignments(folder)
         names_are_any_bytes(folder)

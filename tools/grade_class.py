@@ -8,6 +8,7 @@ submissions that are not graded this time stay as they are; each row says when i
 
 import collections
 import csv
+import errno
 import io
 import os
 import re
@@ -172,8 +173,13 @@ def _write_report(suites, name, out, format_name):
         old = os.path.join(out, name + ending)
         if os.path.lexists(old):
             os.unlink(old)
-    results.write_whole(os.path.join(out, name + _ENDINGS[format_name]),
-                        results.FORMATS[format_name](suites, name))
+    path = os.path.join(out, name + _ENDINGS[format_name])
+    try:
+        results.write_whole(path, results.FORMATS[format_name](suites, name))
+    except ToolError as error:
+        if getattr(error.__cause__, "errno", 0) != errno.ENAMETOOLONG:
+            raise
+        raise ToolError("rename the submission: the report's name would be too long") from error
 
 
 def grade_class(build_folder, stems, submissions, out, format_name):

@@ -8,6 +8,7 @@ reads both, so a new feature needs two tables and no code.
 
 import argparse
 import csv
+import errno
 import filecmp
 import os
 import pathlib
@@ -32,9 +33,13 @@ class UnreadableError(UnitError):
         super().__init__(f"{what} cannot be read; check its permissions")
 
 
+_FULL = "; free some space, or choose another place"
+_ADVICE = {errno.ENOSPC: _FULL, errno.EDQUOT: _FULL, errno.ENAMETOOLONG: "; choose a shorter name"}
+
+
 def cannot_write(path, error):
     """Returns the ToolError for an OSError that prevents writing a file or folder."""
-    return ToolError(f"{path}: cannot be written: {error.strerror}; free some space, or choose another place")
+    return ToolError(f"{path}: cannot be written: {error.strerror}{_ADVICE.get(error.errno, '')}")
 
 
 class Parser(argparse.ArgumentParser):
