@@ -304,6 +304,10 @@ def reasons_fit(grader):
         "text in UTF-16": (unit().encode("utf-16"), (), "is text in UTF-16; save it in UTF-8"),
         "text in UTF-16 without a mark": (unit().encode("utf-16-le"), (),
                                           "is text in UTF-16; save it in UTF-8"),
+        **{f"text in {name}": (unit().encode(name), (), "is text in UTF-32; save it in UTF-8")
+           for name in ("utf-32", "utf-32-le", "utf-32-be")},
+        "text in UTF-32 that begins with a mark": ("\ufeff".encode("utf-32-be"), (), "is text in UTF-32"),
+        "text in UTF-16 of the other order": (unit().encode("utf-16-be"), (), "is text in UTF-16"),
         "an archive": (gzip.compress(unit().encode()), (), "is an archive (gzip); unpack it"),
         "a program": (b"\x7fELF\2\1\1\0", (), "is a compiled program; hand in the text that it was made of"),
         "a header that hides the kit's": (
@@ -316,9 +320,11 @@ def reasons_fit(grader):
     }
     suites = {claim: grader.add(text, beside=beside) for claim, (text, beside, _) in cases.items()}
     own = grader.add(unit("", '#include "own.h"\n'), beside=[("own.h", "enum { own = 1 };\n")])
+    with_zero = grader.add(b"/\0" + unit().encode()[2:])
     grader.grade()
     for claim, suite in suites.items():
         check(cases[claim][2] in suite.problem, f"{claim} is called so", suite.problem)
+    check("UTF" not in with_zero.problem, "a byte 0 at the beginning makes no UTF-16", with_zero.problem)
     told = suites["a missing brace"].verdicts[EMPTY.name].details
     check(told.count("error: ") == 1, "where a brace is missing, one error is shown of many", told)
     check(not own.problem, "a header of the student's own is used", own.problem)

@@ -193,6 +193,20 @@ _ARCHIVES = {b"\x1f\x8b": "gzip", b"PK\3\4": "zip", b"BZh91AY&SY": "bzip2", b"\x
 _PROGRAMS = b"\x7fELF", b"\xcf\xfa\xed\xfe", b"!<arch>\n"
 
 
+def _wide_encoding(text):
+    """Returns the encoding of a text whose characters have two or four bytes each, of which mostly all but
+    one are 0; "" for another text."""
+    if text.startswith((b"\xff\xfe\0\0", b"\0\0\xfe\xff")):
+        return "UTF-32"
+    if text.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return "UTF-16"
+    quarters = [text[place::4] for place in range(4)]
+    is_zero = [2 * quarter.count(0) > len(quarter) for quarter in quarters]
+    if sum(is_zero) == 3:
+        return "UTF-32"
+    return "UTF-16" if sum(is_zero) == 2 and is_zero[0] == is_zero[2] else ""
+
+
 def _check_text(unit):
     with open(unit.path, "rb") as file:
         text = file.read()
@@ -204,9 +218,9 @@ def _check_text(unit):
         raise BuildError(f"{unit.shown} is an archive ({archive}); unpack it")
     if text.startswith(_PROGRAMS):
         raise BuildError(f"{unit.shown} is a compiled program; hand in the text that it was made of")
-    begin = text[:4]
-    if begin[:2] in (b"\xff\xfe", b"\xfe\xff") or (len(begin) == 4 and 0 in (begin[0], begin[1])):
-        raise BuildError(f"{unit.shown} is text in UTF-16; save it in UTF-8")
+    wide = _wide_encoding(text)
+    if wide:
+        raise BuildError(f"{unit.shown} is text in {wide}; save it in UTF-8")
 
 
 def _compile(toolchain, unit, folder, arguments):
