@@ -1036,9 +1036,9 @@ def what_cannot_be_written_is_advised_on(folder):
           "a name that is too long for a report is told, with what to do", said)
 
 
-def what_vanishes_is_not_graded(toolchain, folder):
+def what_vanishes_is_not_graded(folder):
     gone = os.path.join(folder, "gone")
-    suites, was_graded = grade_class_tool._suites_of(toolchain, [FEATURE], gone, folder)
+    suites, was_graded = grade_class_tool._suites_of(build.Toolchain("."), [FEATURE], gone, folder)
     said = suites[0].problem
     check(not was_graded and said == "not graded: gone vanished while the class was graded",
           "a submission that vanishes is told to who grades, as that", said)
@@ -1211,7 +1211,7 @@ def main():
         a_class_is_graded_again(folder)
         what_a_course_system_delivers(folder)
         what_cannot_be_read_is_not_graded(folder)
-        what_vanishes_is_not_graded(toolchain, folder)
+        what_vanishes_is_not_graded(folder)
         what_cannot_be_written_is_advised_on(folder)
         spans_are_told_as_such(folder)
         one_file_is_no_two_assignments(folder)
