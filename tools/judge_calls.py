@@ -181,6 +181,8 @@ class Headers:
             for value in values:
                 if value.is_pointer() and not value.way and function not in self.together:
                     raise CallsError(f"{path}: say whether {function}'s {value.name} is out or inout")
+                if value.way in ("in", "out", "inout") and next(self.pointers(value), None):
+                    raise CallsError(f"{path}: {function}'s {value.name} has pointers; say that it is kept")
 
     def pointers(self, value):
         """The pointers in a value's structure: a loop if it is an array of them, the pointer, and the bytes
@@ -256,16 +258,14 @@ def _put_pointer(headers, value):
         yield f"        {value.type} part;\n        memset(&part, 0, sizeof part);"
         yield f"        copy_{value.type}(&part, {name});"
         yield "        rk_judge_piece pieces[RK_JUDGE_PIECES] = {{&part, sizeof part}};"
-        yield "        size_t count = 1;"
+        yield "        size_t piece_count = 1;"
         for each, pointer, size in pointers:
             yield f"    {each}    if ({pointer}) {{ /* whether there is one is sent in its place */"
             yield f"            {pointer.replace(name + '->', 'part.')} = (void *)1;"
-            yield f"            pieces[count++] = (rk_judge_piece){{{pointer}, {size}}};\n        }}"
-        yield f"        rk_judge_put_kept({value.slot}, pieces, count);"
+            yield f"            pieces[piece_count++] = (rk_judge_piece){{{pointer}, {size}}};\n        }}"
+        yield f"        rk_judge_put_kept({value.slot}, pieces, piece_count);"
     elif value.way not in ("out", "made", "added"):
         yield from _put(headers, value.type, name, value.count(), "rk_judge_put_array")
-        for _, pointer, size in headers.pointers(value):
-            yield f"    rk_judge_put_array({pointer}, {size});"
     yield "    }"
 
 
@@ -449,7 +449,6 @@ def _take_pointer(headers, value):
         yield f"    for (size_t row = 0; row < {value.count()}; row++)"
         yield f"        {name}[row] = rk_unit_takes() ? {row} : NULL;"
         return
-    pointers = list(headers.pointers(value))
     if value.way == "kept":
         yield (f"    const {kind} *{name} = rk_unit_takes() ? "
                f"rk_unit_take_kept(sizeof *{name}, open_{kind}) : NULL;")
@@ -464,16 +463,13 @@ def _take_pointer(headers, value):
         yield f"    {kind} *{name} = rk_unit_takes() ? rk_unit_room(NULL, sizeof *{name}) : NULL;"
         yield f"    if ({name})\n        memset({name}, 0, sizeof *{name});"
         return
-    if value.way == "in" and not pointers:
+    if value.way == "in":
         yield f"    const {kind} *{name} = rk_unit_takes() ? rk_unit_take_array({size}) : NULL;"
         return
     contents = "NULL" if value.way == "out" else f"rk_unit_take_array({size})"
-    room = "rk_unit_pages" if value.way == "in" else "rk_unit_room"
-    yield f"    {kind} *{name} = rk_unit_takes() ? {room}({contents}, {size}) : NULL;"
+    yield f"    {kind} *{name} = rk_unit_takes() ? rk_unit_room({contents}, {size}) : NULL;"
     if value.way == "out" and _has_text(headers, kind):
         yield f"    if ({name})\n        memset({name}, 0, {size}); /* an empty text */"
-    for _, pointer, bytes_ in pointers:
-        yield f"    if ({name})\n        {pointer} = rk_unit_take_array({bytes_});"
 
 
 def _opener(headers, kind):
@@ -508,8 +504,6 @@ def _server(headers, kind, name, values):
         if value.is_pointer():
             yield from _take_pointer(headers, value)
     call = f"{name}({', '.join(value.name for value in values)});"
-    if any(value.way == "in" and list(headers.pointers(value)) for value in values):
-        yield "    rk_unit_close_pages();"
     yield "    rk_unit_begin_call();"
     yield f"    {kind} result = {call}" if kind != "void" else f"    {call}"
     yield "    rk_unit_end_call();"

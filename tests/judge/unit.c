@@ -18,8 +18,6 @@ static struct {
     size_t rooms_end, closed_end;
     unsigned char *kept;
     size_t kept_end;
-    unsigned char *pages; /* behind what is kept */
-    size_t pages_end;
 } unit;
 
 struct rk_unit_call rk_unit_call;
@@ -58,40 +56,6 @@ static void close_rooms(void)
 {
     close_from(0, unit.rooms_end);
     unit.rooms_end = 0;
-}
-
-static size_t whole_pages(size_t bytes)
-{
-    size_t page = (size_t)sysconf(_SC_PAGESIZE);
-    return (bytes + page - 1) / page * page;
-}
-
-void *rk_unit_pages(const void *contents, size_t bytes)
-{
-    unsigned char *begin = unit.pages + unit.pages_end;
-    size_t size = whole_pages(bytes + RK_JUDGE_ALIGNMENT);
-    if (unit.pages_end + size > RK_JUDGE_BYTES)
-        exit(1);
-    unit.pages_end += size;
-    memcpy(begin, contents, bytes);
-    if (__asan_poison_memory_region)
-        __asan_poison_memory_region(begin + bytes, size - bytes);
-    return begin;
-}
-
-void rk_unit_close_pages(void)
-{
-    mprotect(unit.pages, unit.pages_end, PROT_READ);
-}
-
-static void open_pages(void)
-{
-    if (unit.pages_end == 0)
-        return;
-    mprotect(unit.pages, unit.pages_end, PROT_READ | PROT_WRITE);
-    if (__asan_unpoison_memory_region)
-        __asan_unpoison_memory_region(unit.pages, unit.pages_end);
-    unit.pages_end = 0;
 }
 
 /* Before it stands whether there is one, and behind it nothing (RK_JUDGE_ALIGNMENT bytes). */
@@ -139,7 +103,7 @@ static void keep(const rk_judge_request *head)
     struct kept *kept = place_of_id(sent->id);
     if (kept->id)
         return;
-    size_t pages = whole_pages(sent->bytes);
+    size_t page = (size_t)sysconf(_SC_PAGESIZE), pages = (sent->bytes + page - 1) / page * page;
     if (unit.kept_end + pages > RK_JUDGE_BYTES)
         exit(1);
     kept->bytes = unit.kept + unit.kept_end;
@@ -207,7 +171,6 @@ static void answer_request(const unsigned char *requests, unsigned char *answers
     reset_floating_point();
     rk_unit_functions[head->function]();
     close_rooms();
-    open_pages();
     open_request(head);
 }
 
@@ -274,9 +237,8 @@ int main(int argc, char **argv)
         mmap(NULL, RK_JUDGE_BYTES, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_NORESERVE, answered, 0);
     unit.rooms = memory_at(RK_JUDGE_ROOMS);
     unit.kept = memory_at(RK_JUDGE_OBJECTS);
-    unit.pages = memory_at(RK_JUDGE_OBJECTS + RK_JUDGE_BYTES);
     if (requests == MAP_FAILED || answers == MAP_FAILED || unit.rooms == MAP_FAILED ||
-        unit.kept == MAP_FAILED || unit.pages == MAP_FAILED) {
+        unit.kept == MAP_FAILED) {
         perror("the memory that a unit shares with its judge cannot be seen");
         return 2;
     }

@@ -41,11 +41,6 @@ void *rk_unit_kept_piece(size_t bytes);
  * answered. */
 void *rk_unit_room(const void *contents, size_t bytes);
 
-/* The same for constant structures, whose pointers are set first: nothing can be written to them
- * after rk_unit_close_pages, until the call is answered. */
-void *rk_unit_pages(const void *contents, size_t bytes);
-void rk_unit_close_pages(void);
-
 /* Returns where the answer's next value is to be written. Its bytes are zeros, so that equal values
  * have equal bytes. */
 static inline void *rk_unit_give_room(size_t bytes)
