@@ -822,6 +822,19 @@ def who_hangs_loses_nothing_twice(folder):
           (suite.points(), suite.limit_of_next_test(10)))
 
 
+def who_is_slow_in_all_tests_holds_nobody_up(folder):
+    tests = [ScoredTest(f"slow_{i}", 2, "#") for i in range(50)]
+    suite = make_suite(folder, "slow", unit(""), tests)
+    suite.is_own = False
+    for test in tests[:31]:
+        before = suite.limit_of_next_test(10)
+        suite.verdicts[test.name] = verdicts.Verdict(True)
+        suite.verdicts[test.name].worked = 6
+    limit, phrase = suite.limit_of_next_test(10)
+    check(before[0] == 10 and limit == 1 and "took more than 180 s together" in phrase,
+          "after three minutes of a suite's tests, each of the others has a second", (before, limit, phrase))
+
+
 def a_moved_folder_is_told(folder):
     gone = FileNotFoundError(2, "No such file or directory", "x")
     check("moved" in cause_of(gone, os.path.join(folder, "before"))
@@ -1204,6 +1217,7 @@ def main():
         who_fills_memory_slowly_is_told(toolchain, folder)
         hanging_does_not_last(toolchain, folder)
         who_hangs_loses_nothing_twice(folder)
+        who_is_slow_in_all_tests_holds_nobody_up(folder)
         a_moved_folder_is_told(folder)
         the_editors_files_name_what_there_is(folder)
         who_ends_the_grader_is_named(folder)

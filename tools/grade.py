@@ -42,6 +42,7 @@ MEGABYTES = 2048  # the suites stay below 300 with the sanitizers
 REASON_MAX = 500  # characters; a unit can write a reason of its own
 SOON = 3  # seconds; with a record, what takes longer is run again after all others
 TIMEOUTS = 2  # so many tests of a suite may take all their time; the others then get a part of it
+IN_ALL = 18  # times the seconds of one test, which all tests of a suite may take; the others get a part, too
 DECOYS = 8  # so many passed claims of a suite run again with an end that cannot hold
 
 
@@ -127,8 +128,11 @@ class Suite:
 
     def limit_of_next_test(self, seconds):
         """Returns the limit for the next test, and a phrase for it: short after two that took all of
-        theirs, but three times as long as those that passed."""
+        theirs, but three times as long as those that passed, and after many that were slow."""
         verdicts = list(self.verdicts.values())
+        if sum(verdict.worked for verdict in verdicts) > IN_ALL * seconds:
+            return seconds / 10, (f"{seconds / 10:.3g} s (a short limit, as the tests before it took more "
+                                  f"than {IN_ALL * seconds:.3g} s together)")
         if sum(verdict.timed_out and not verdict.is_open for verdict in verdicts) < TIMEOUTS:
             return seconds, f"{seconds:g} seconds"
         slowest = max((verdict.seconds for verdict in verdicts if verdict.passed), default=0)
@@ -273,6 +277,7 @@ def run_test(toolchain, suite, test, seconds, megabytes, record=None):
     program = suite.unit_program if _is_apart(suite, test.name) else suite.program
     outcome.output = build.plain(toolchain, suite.unit, _with_lines(toolchain, program, outcome.output))
     verdict = judge(outcome, suite, test.name, phrase, megabytes)
+    verdict.worked = outcome.worked
     if verdict.timed_out and not phrase:
         before = f" (it took {usual:.2g} s before)" if usual is not None else ""
         verdict.is_open = True

@@ -38,11 +38,11 @@ class Outcome:
     """How a run went. `status` is the exit status, negative for a signal; `limit` is None or the
     limit that ended the run: "seconds", "memory", "output", "processes", "needless" or "stopped". `testimony`
     is the witness's answer beside the secret: the claim that failed, or that memory leaks. `occupied` is the
-    largest number of bytes of memory that was seen."""
+    largest number of bytes of memory that was seen, and `worked` of seconds of processors."""
 
     def __init__(self):
         self.status, self.limit, self.output, self.seconds = None, None, "", 0.0
-        self.attested, self.testimony, self.occupied = False, "", 0
+        self.attested, self.testimony, self.occupied, self.worked = False, "", 0, 0.0
 
 
 class Program:
@@ -383,6 +383,7 @@ def _watch(process, partners, outcome, kept, times, memory_bytes, output_bytes, 
                 occupied, processes = _occupied(process.pid)
                 next_look = now + _LOOK
                 outcome.occupied = max(outcome.occupied, occupied)
+                outcome.worked = max(outcome.worked, _worked(process.pid, 0))
             if stop.is_set():
                 outcome.limit = "stopped"
             elif is_needless():

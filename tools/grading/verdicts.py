@@ -17,12 +17,13 @@ def make_secret(decoy):
 
 class Verdict:
     """`reason` is one or two lines, `place` a file and line or "", `details` the whole output. `leak` is
-    (reason, place) of memory that a passed test leaked, or None. One that `is_open` is to be run again."""
+    (reason, place) of memory that a passed test leaked, or None. One that `is_open` is to be run again.
+    `seconds` are by the clock, `worked` of processors."""
 
     def __init__(self, passed, reason="", place="", details="", seconds=0.0):
         self.passed, self.reason, self.place, self.leak = passed, reason, place, None
         self.details, self.seconds, self.timed_out = details, seconds, False
-        self.is_open = False
+        self.is_open, self.worked = False, 0.0
 
 
 PRINTED = "\nyour code printed: "
