@@ -63,6 +63,11 @@ static void check_direction(rk_ambient_map map, rk_vec2 xi)
 /* Inside the unit square, and on its edges, where square roots of 0 occur. */
 static void check_directions(rk_ambient_map map)
 {
+    rk_vec3 a = rk_ambient_hemisphere(map, (rk_vec2){0.25f, 0.5f});
+    rk_vec3 b = rk_ambient_hemisphere(map, (rk_vec2){0.75f, 0.5f});
+    rk_vec3 c = rk_ambient_hemisphere(map, (rk_vec2){0.5f, 0.75f});
+    rk_check(rk_length(rk_sub(a, b)) > 0.1f && rk_length(rk_sub(a, c)) > 0.1f,
+             "xi (.25, .5), (.75, .5) and (.5, .75) have nearly the same direction");
     for (uint32_t i = 0; i < 100000; i++)
         check_direction(map, noise2(1, i));
     for (uint32_t i = 0; i <= 4096; i++)
@@ -668,6 +673,10 @@ static void check_estimate(const occluder *o, double estimate, rk_ambient_map ma
 
 static void check_estimates(const occluder all[occluders], occludes *is_occluded, const char *name)
 {
+    for (int k = 0; k < occluders; k++) /* a constant direction estimates 0 or 1 */
+        rk_check(all[k].closed_form > 0.01f && all[k].closed_form < 0.99f,
+                 "%s: the closed form is %g, want one of those that are neither 0 nor 1", name,
+                 (double)all[k].closed_form);
     for (int m = 0; m < 2; m++) {
         double sums[occluders] = {0};
         for (uint32_t i = 0; i < estimates; i++) {

@@ -754,6 +754,7 @@ static rk_vec3 focus_behind(const rk_lens *lens, const rk_view *view, rk_vec3 fr
 static void the_rim_of_the_lens_draws_the_rim_of_the_circle(void **state)
 {
     (void)state;
+    int wide = 0; /* circles */
     for (uint32_t i = 0; i < 4000; i++) {
         rk_view view = turned_view(i);
         rk_focal_surface focal = i & 1 ? RK_FOCAL_PLANE : RK_FOCAL_SPHERE;
@@ -771,6 +772,7 @@ static void the_rim_of_the_lens_draws_the_rim_of_the_circle(void **state)
         rk_check(diameter >= 0 && isfinite(diameter),
                  "focal %s at %g, t = %g: the circle's diameter is %g pixels, want 0 or more",
                  focal_names[focal], (double)lens.focal_distance, (double)t, diameter);
+        wide += diameter > 0.1;
         /* 24 roundings of pixels up to 400; on a sphere also the next order in A / d, .0125. */
         double tolerance = 400 * 24 * epsilon + (focal == RK_FOCAL_SPHERE ? 0.0125 * want : 0);
         rk_check_near(
@@ -786,6 +788,7 @@ static void the_rim_of_the_lens_draws_the_rim_of_the_circle(void **state)
                  (double)image_point.x, (double)image_point.y, (double)rim.y,
                  distance_to(&back, rk_widen(point)), 5 * 24 * epsilon);
     }
+    rk_check(wide > 2000, "%d of 4000 circles are wider than a tenth of a pixel, want most", wide);
 }
 
 /* --- Pixels that circles reach ---------------------------------------------------------------- */

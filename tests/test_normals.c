@@ -160,6 +160,14 @@ static void a_triangle_along_two_axes_has_the_third_as_its_normal(void **state)
 }
 
 /* What is always the same is no normal. */
+/* So that what two normals have in common is worth a comparison. */
+static void check_right_angle(rk_vec3 n, rk_vec3 edge)
+{
+    rk_check(fabsf(rk_dot(n, edge)) < 0.1f * rk_length(n) * rk_length(edge),
+             "the normal (%g, %g, %g) is not at right angles to the edge (%g, %g, %g)", (double)n.x,
+             (double)n.y, (double)n.z, (double)edge.x, (double)edge.y, (double)edge.z);
+}
+
 static void check_that_normals_differ(void)
 {
     const rk_vec3 o = {0, 0, 0}, x = {1, 0, 0}, y = {0, 1, 0}, z = {0, 0, 1};
@@ -167,6 +175,8 @@ static void check_that_normals_differ(void)
     rk_check(rk_length(rk_sub(of_xy, of_yz)) > 0.1f,
              "two triangles at right angles to each other have the same normal (%g, %g, %g)",
              (double)of_xy.x, (double)of_xy.y, (double)of_xy.z);
+    check_right_angle(of_xy, x);
+    check_right_angle(of_xy, y);
 }
 
 static void a_moved_triangle_has_the_same_normal(void **state)
@@ -252,6 +262,8 @@ static void two_swapped_corners_turn_the_normal_around(void **state)
     const rk_vec3 a = {1, 2, 3}, b = {4, -1, 2}, c = {0, 5, 7};
     rk_vec3 n = rk_normals_of_triangle(a, b, c);
     rk_check(rk_length(n) > 0, "the normal of a triangle with an area is (0, 0, 0)");
+    check_right_angle(n, rk_sub(b, a));
+    check_right_angle(n, rk_sub(c, a));
     check_vec3(rk_normals_of_triangle(a, c, b), rk_negate(n), 0x1p-22f,
                "the triangle a, c, b is seen from behind");
 }
