@@ -118,6 +118,11 @@ def units_without_functions_earn_nothing(grader):
         verdicts, points = grader.verdicts(stem, "typedef int nothing;\n", True)
         check(points == 0 and all("your file does not define" in reason for _, reason in verdicts.values()),
               f"{stem}: a file without functions earns nothing", f"{points} {verdicts}")
+    weak = text_of("watertight").replace("\nrk_hit rk_watertight_intersect(",
+                                         "\n__attribute__((weak)) rk_hit rk_watertight_intersect(")
+    verdicts, points = grader.verdicts("watertight", weak, True)
+    check(points == 0 and all("rk_watertight_intersect as weak" in reason for _, reason in verdicts.values()),
+          "neither does one whose definitions give way to the kit's", f"{points} {verdicts}")
 
 
 def right_units_pass_apart(grader):

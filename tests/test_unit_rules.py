@@ -145,9 +145,6 @@ REFUSED = {
     ),
     "an alias": (unit("", 'int odd(void) __attribute__((alias(("rk_bvh_closest"))));\n'),
                  "uses the attribute alias"),
-    "a definition that gives way to another": (
-        unit("", "__attribute__((weak)) int odd(void)\n{\n    return 1;\n}\n"), "uses the attribute weak"
-    ),
     "a function that is chosen while loading": (
         unit("", '__attribute__((target_clones("avx2", "default"))) int odd(void);\n'
              "int odd(void)\n{\n    return 1;\n}\n"), "chosen while the program is loaded"

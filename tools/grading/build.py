@@ -341,13 +341,17 @@ def check_object(toolchain, unit, path):
 
 def check_definitions(toolchain, unit, found):
     """Raises BuildError if the unit leaves out what the linker would then find in the kit's library, which
-    has the triangle test for all traversals."""
+    has the triangle test for all traversals, or defines it so that what is found there takes its place."""
     there = set(global_symbols(toolchain, toolchain.built("librkbase.a")))
-    defined = {name for flags, *_, name in found.symbols if flags[0] != "l"}
     interface = global_symbols(toolchain, toolchain.built(f"src/features/{unit.feature.stem}.o"))
+    defined = {name: flags for flags, *_, name in found.symbols if flags[0] != "l"}
     missing = [name for name in interface if name in there and name not in defined]
+    weak = [name for name in interface if name in there and "w" in defined.get(name, "")]
     if missing:
         raise BuildError(f"your file does not define {_some(missing)}, which the suite calls")
+    if weak:
+        raise BuildError(f"{unit.shown} defines {_some(weak)} as weak, so that another definition could take "
+                         "its place; leave the attribute weak out")
 
 
 def check_names(toolchain, unit, found):

@@ -37,7 +37,7 @@ _ATTRIBUTES = frozenset("""
     null_terminated_string_arg objc_bridge optimize optnone overloadable packed pass_object_size pure
     reproducible returns_nonnull returns_twice scalar_storage_order sentinel simd swift_name target
     transparent_union unavailable uninitialized unlikely unsequenced unused used vector_size visibility
-    warning warn_if_not_aligned warn_unused_result""".split())
+    weak warning warn_if_not_aligned warn_unused_result""".split())
 _QUOTED = r'"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\''
 _WORD = re.compile(_QUOTED + r"|[A-Za-z_$][\w$]*|::|<:|:>|\w+|[^\s\w]")
 _KEYWORDS = ("__attribute__", "__attribute")
