@@ -6,7 +6,7 @@
 
 #include "judge/judge.h"
 
-enum { RK_JUDGE_HELD_MAX = 1024 }; /* calls that are waited for */
+enum { RK_JUDGE_HELD_MAX = 2048 }; /* calls that are waited for */
 
 /* Before there are predictors. `after` is what holds in this test (see judge.h). */
 void rk_judge_begin_holding(const uint64_t after[RK_JUDGE_FUNCTIONS]);
