@@ -927,6 +927,36 @@ static rk_counters work_of_closest(const rk_wide_bvh *wide, const rk_ray *ray)
     return counters;
 }
 
+/* Counters are the unit's own word. So blocks that need no look get triangles that the ray along z
+ * would hit at t, of which the boxes say nothing: not those with triangles from `first` to `last`.
+ */
+static void put_lures(rk_wide_bvh *wide, const rk_ray *ray, float t, uint32_t first, uint32_t last)
+{
+    rk_vec3 at = rk_madd(ray->origin, ray->direction, t);
+    const float corners[3][3] = {
+        {at.x - 9, at.y - 9, at.z}, {at.x + 9, at.y - 9, at.z}, {at.x, at.y + 9, at.z}};
+    for (uint32_t b = 0; b < wide->block_count; b++) {
+        rk_wide_block *block = &wide->blocks[b];
+        bool is_spared = false;
+        for (uint32_t i = 0; i < RK_WIDE_BLOCK; i++)
+            is_spared = is_spared || (block->index[i] >= first && block->index[i] < last);
+        for (int k = 0; k < 9 * RK_WIDE_BLOCK && !is_spared; k++)
+            block->corner[k / RK_WIDE_BLOCK / 3][k / RK_WIDE_BLOCK % 3][k % RK_WIDE_BLOCK] =
+                corners[k / RK_WIDE_BLOCK / 3][k / RK_WIDE_BLOCK % 3];
+        block->edge = is_spared ? block->edge : 36;
+    }
+}
+
+static void check_lured(const rk_wide_bvh *wide, const rk_ray *ray, float want, const char *what)
+{
+    rk_counters counters = {0};
+    rk_hit hit = rk_wide_bvh_closest(wide, ray, &counters);
+    rk_check(hit.t == want,
+             "%s: with other triangles in blocks that need no look, the hit is at t = %g, want %g: "
+             "they were looked at, whatever the counters say",
+             what, (double)hit.t, (double)want);
+}
+
 static void walls_behind_the_nearest_hit_are_not_visited(void **state)
 {
     (void)state;
@@ -941,6 +971,10 @@ static void walls_behind_the_nearest_hit_are_not_visited(void **state)
                  "%d: the nearest child first, and none behind a hit",
                  back ? "behind" : "the front", (unsigned long long)counters.triangle_tests,
                  2 * RK_WIDE_BLOCK);
+        rk_wide_bvh lured = build(&mesh);
+        put_lures(&lured, &ray, 1, back ? 984 : 0, back ? 1000 : 16);
+        check_lured(&lured, &ray, back ? 101 : 100, back ? "from behind" : "from the front");
+        rk_wide_bvh_free(&lured);
     }
     rk_wide_bvh_free(&wide);
     rk_mesh_free(&mesh);
@@ -961,6 +995,8 @@ static void a_ray_that_misses_all_boxes_tests_eight(void **state)
                  "root's children",
                  behind ? "behind the ray" : "beside it", (unsigned long long)counters.box_tests,
                  (unsigned long long)counters.triangle_tests);
+        put_lures(&wide, &ray, 1, 0, 0);
+        check_lured(&wide, &ray, INFINITY, behind ? "boxes behind the ray" : "boxes beside it");
     }
     rk_wide_bvh_free(&wide);
     rk_mesh_free(&mesh);
@@ -980,6 +1016,9 @@ static void a_bounded_ray_visits_no_box_beyond_its_end(void **state)
     rk_check(occluded.box_tests == 8 && occluded.triangle_tests == 0,
              "occlusion: got %llu box and %llu triangle tests, want 8 and 0",
              (unsigned long long)occluded.box_tests, (unsigned long long)occluded.triangle_tests);
+    put_lures(&wide, &ray, 0.25f, 0, 0);
+    check_lured(&wide, &ray, rk_wide_bvh_occluded(&wide, &ray, &occluded) ? 0 : ray.t_max,
+                "boxes beyond the ray's end");
     rk_wide_bvh_free(&wide);
     rk_mesh_free(&mesh);
 }
