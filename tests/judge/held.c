@@ -288,8 +288,10 @@ void rk_judge_settle(void)
     for (bool is_more = true; is_more;) {
         is_more = false;
         for (int i = 0; i < RK_JUDGE_FUNCTIONS; i++)
-            if (of[i].last)
-                is_more = compare(&of[i]) | publish_held(&of[i]) | is_more;
+            if (of[i].last) {
+                bool is_compared = compare(&of[i]);
+                is_more = publish_held(&of[i]) || is_compared || is_more;
+            }
     }
     uint64_t oldest = UINT64_MAX;
     for (int i = 0; i < RK_JUDGE_FUNCTIONS; i++)
