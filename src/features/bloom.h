@@ -100,7 +100,7 @@ enum { RK_BLOOM_BLOCK = 48 };
  * RK_BLOOM_BLOCK. `lines`: 2 reach + 1 pointers, each to `count` floats; NULL is a line of zeros,
  * which costs nothing. To filter along columns, the lines are successive rows; to filter along a
  * row, they are the same row, each one pixel further on. Returns the number of lines that are not
- * NULL. */
+ * NULL. It is called for each strip of the picture, and allocates nothing. */
 uint32_t rk_bloom_blur_lines(const rk_bloom_filter *filter, const float *const *lines, size_t count,
                              float *sum);
 
