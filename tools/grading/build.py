@@ -23,8 +23,9 @@ _ENDS = {
     "seconds": f"took more than {_SECONDS} seconds of processor time",
     "memory": f"took more than {_MEGABYTES} MB of memory",
     "stopped": "was stopped",
+    "processes": "started too many processes",
     "output": "printed megabytes of output",
-    "File size limit exceeded": "wrote a file of more than 256 MB",
+    "File size limit exceeded": f"wrote a file of more than {sandbox.FILE_BYTES_MAX >> 20} MB",
     "Segmentation fault": "ended by itself: what is nested too deeply takes all of its stack",
 }
 

@@ -26,7 +26,7 @@ _prctl = getattr(ctypes.CDLL(None), "prctl", lambda *_: None)  # Linux has it
 
 _PAGE = os.sysconf("SC_PAGE_SIZE")
 _PROCESSES_MAX = 64
-_FILE_BYTES_MAX = 256 << 20
+FILE_BYTES_MAX = 256 << 20
 _LOOK = 0.05  # seconds from one look at a program's memory to the next
 _PATIENCE = 12  # so many times a program's seconds those that it works with may work
 _STARVED = 60  # so many times its seconds may pass if it neither works nor sleeps as long: a busy machine
@@ -228,7 +228,7 @@ class _Tail:
 def _limits(seconds):
     """Returns a process's own limits by their names: in case this script is killed, a program that loops
     ends, too. None is higher than this process's."""
-    wanted = {"CPU": int(seconds) * 8 + 60, "FSIZE": _FILE_BYTES_MAX}
+    wanted = {"CPU": int(seconds) * 8 + 60, "FSIZE": FILE_BYTES_MAX}
     most = {name: resource.getrlimit(getattr(resource, "RLIMIT_" + name))[1] for name in wanted}
     return {name: value if most[name] == resource.RLIM_INFINITY else min(value, most[name])
             for name, value in wanted.items()}
