@@ -246,7 +246,8 @@ def _with_lines(toolchain, program, text):
 
 def _options(toolchain, suite, limit, megabytes, options=""):
     """How a program runs, with these options for the address sanitizer beside the usual ones."""
-    folder = tempfile.mkdtemp(dir=suite.folder)
+    # In the sandbox, a program has a /tmp of its own.
+    folder = suite.folder if toolchain.sandbox else tempfile.mkdtemp(dir=suite.folder)
     environment = _environment("/tmp" if toolchain.sandbox else folder, suite.finds_leaks, megabytes)
     environment["ASAN_OPTIONS"] += options
     return {"seconds": limit, "megabytes": megabytes, "folder": folder, "environment": environment,

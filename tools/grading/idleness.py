@@ -12,19 +12,17 @@ _BUSY = 0.5  # of the time, so much work, or waiting for a processor, is no slee
 
 
 class Idleness:
-    """`seconds` is the time at which none of the processes, nor of their children, did anything."""
+    """`seconds` is the time at which none of the processes did anything."""
 
-    def __init__(self, family, first):
-        """`family` returns a process and its children; `first` are the processes that have no parent here."""
-        self.seconds, self._family, self._first = 0.0, family, first
-        self._looked, self._times = time.monotonic(), {}
+    def __init__(self):
+        self.seconds, self._looked, self._times = 0.0, time.monotonic(), {}
 
-    def look(self):
-        """To be called often; returns the seconds so far."""
+    def look(self, processes):
+        """To be called often, with the processes that there are; returns the seconds so far."""
         now = time.monotonic()
         passed, self._looked = now - self._looked, now
         states, times = "", {}
-        for pid in (pid for first in self._first for pid in self._family(first)):
+        for pid in processes:
             for thread in _threads(pid):
                 state, nanoseconds = _look_at(thread)
                 states += state

@@ -43,10 +43,11 @@ def _is_stale(path):
 def _files_of_kit(toolchain, features, stems):
     """Yields what the suites of these features need, and where it stands in a copy. The references' objects
     lie apart from the headers, which are all that a compiler sees of the kit."""
+    of_suites = {name for stem in stems for name in (f"test_{stem}.c", f"{stem}.calls")}
     for room in ("src", "tests"):
         for where, _, names in os.walk(os.path.join(toolchain.source, room)):
             for name in names:
-                if name.endswith(".h") or room == "tests" and name.endswith((".c", ".calls")):
+                if name.endswith(".h") or name in of_suites:
                     path = os.path.join(where, name)
                     yield path, os.path.join("kit", os.path.relpath(path, toolchain.source))
     needed = ["librktest.a", "librkbase.a", "impl/count_allocations.o",

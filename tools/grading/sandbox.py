@@ -124,11 +124,11 @@ def _family(pid):
     return family
 
 
-def _worked(pid, unknown=float("inf")):
+def _worked(pid, unknown=float("inf"), family=None):
     """Returns the processor seconds of a process and its children. With these, a busy machine makes no
     program fail."""
     ticks = 0
-    for process in _family(pid):
+    for process in family or _family(pid):
         try:
             with open(f"/proc/{process}/stat", encoding="ascii", errors="replace") as file:
                 ticks += sum(map(int, file.read().rpartition(")")[2].split()[11:15]))
@@ -138,16 +138,16 @@ def _worked(pid, unknown=float("inf")):
     return ticks / os.sysconf("SC_CLK_TCK")
 
 
-def _occupied(pid):
-    """Returns the resident bytes and the number of a process and its children."""
-    total, family = 0, _family(pid)
+def _occupied(family):
+    """Returns the resident bytes of processes."""
+    total = 0
     for process in family:
         try:
             with open(f"/proc/{process}/statm", encoding="ascii") as file:
                 total += int(file.read().split()[1]) * _PAGE
         except (OSError, IndexError, ValueError):
             continue
-    return total, len(family)
+    return total
 
 
 def _kill(pid):
@@ -365,7 +365,7 @@ def _drain(pipe, kept):
 def _watch(process, partners, outcome, kept, times, memory_bytes, output_bytes, is_enclosed, is_needless):
     """Reads until the program ends or is ended, with the reason in outcome.limit."""
     began, seconds = times
-    idle, next_look = Idleness(_family, (process.pid, *partners)), 0.0
+    idle, next_look = Idleness(), time.monotonic() + _LOOK
     with selectors.DefaultSelector() as selector:
         selector.register(process.stdout, selectors.EVENT_READ)
         while not _has_ended(process):
@@ -379,11 +379,12 @@ def _watch(process, partners, outcome, kept, times, memory_bytes, output_bytes, 
             now = time.monotonic()
             occupied, processes, slept = 0, 1, 0.0
             if now >= next_look:
-                slept = idle.look()
-                occupied, processes = _occupied(process.pid)
+                family = _family(process.pid)
+                slept = idle.look([*family, *(pid for partner in partners for pid in _family(partner))])
+                occupied, processes = _occupied(family), len(family)
                 next_look = now + _LOOK
                 outcome.occupied = max(outcome.occupied, occupied)
-                outcome.worked = max(outcome.worked, _worked(process.pid, 0))
+                outcome.worked = max(outcome.worked, _worked(process.pid, 0, family))
             if stop.is_set():
                 outcome.limit = "stopped"
             elif is_needless():
