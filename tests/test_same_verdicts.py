@@ -10,6 +10,8 @@ EVERY=10 takes each tenth mistake.
 
 import os
 import random
+import re
+import sys
 import tempfile
 
 from test_judge import APART, FEATURES, SOURCE, Grader, grade, text_of
@@ -35,7 +37,10 @@ def _differences(stem, mutant, grader):
 
 
 def main():
-    every = int(os.environ.get("RAYKIT_EVERY") or 1)
+    text = os.environ.get("RAYKIT_EVERY") or "1"
+    if not re.fullmatch(r"[1-9][0-9]{0,5}", text):
+        sys.exit(f"EVERY={text}: give a whole number from 1 on")
+    every = int(text)
     sandbox.prepare()
     with tempfile.TemporaryDirectory(prefix="raykit-same-") as folder:
         for stem in os.environ.get("RAYKIT_STEMS", "").split() or APART:

@@ -258,5 +258,6 @@ def judge_kept_data(names):
     shown = " and ".join(f"`{name}`" for name in names[:3])
     them = "it" if len(names) == 1 else "them"
     return Verdict(False,
-                   f"keeps {shown} from call to call; several threads share {them}: "
-                   f"make {them} local, or const if nothing changes {them}")
+                   f"keeps {shown} from call to call, but an answer may depend on its arguments only, and "
+                   f"several threads ask at once: make {them} local, or const, and not volatile, if nothing "
+                   f"changes {them}")
