@@ -31,7 +31,8 @@ from grading import results
 from grading import sandbox
 from grading import unit_rules
 from grading.assignments import (
-    DEDUCTION, FREES_ALL, KEEPS_NOTHING, Parser, ToolError, Unit, UnitError, UnreadableError,
+    DEDUCTION, FREES_ALL, KEEPS_NOTHING, MachineError, Parser, ToolError, UngradableError, Unit, UnitError,
+    UnreadableError,
     check_impl, choose, choose_format, handed_in, ignored_in, missing_unit, read_features, read_points,
     submitted_unit, unit_beside, units_of_suite,
 )
@@ -50,7 +51,8 @@ class Suite:
     """The result of one feature: its unit, its scored tests and a verdict for each. `problem` is the
     reason why nothing ran, `beside` what is to be known of a student's units that it needs, `excused` names
     the claims that fail by these, `is_own` whether who reads the report has graded the unit; `remarks` say
-    what was found where, or ignored."""
+    what was found where, or ignored. `not_graded` says what is to be done before the unit can be graded: its
+    points are not 0 but unknown."""
 
     def __init__(self, feature, unit, tests):
         self.feature, self.unit, self.tests = feature, unit, tests
@@ -58,7 +60,7 @@ class Suite:
         self.program, self.folder, self.source = None, None, ""
         self.unit_program, self.claims_together = None, []
         self.finds_leaks, self.is_own, self.remarks = False, True, []
-        self.needed_objects, self.excused = [], set()
+        self.needed_objects, self.excused, self.not_graded = [], set(), ""
 
     def passed(self):
         return all(self.verdicts[test.name].passed for test in self.tests)
@@ -356,12 +358,17 @@ def _run_decoys(toolchain, suite, count, seconds, megabytes):
             return
 
 
+def processors():
+    """Returns how many processors this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+
+
 def grade(toolchain, suites, units, seconds, megabytes=MEGABYTES, progress=None, decoys=DECOYS, record=None):
-    """Builds all suites, then runs them, on all processors, with `units` for what they need beside
+    """Builds all suites, then runs them, on all processors or as many as the toolchain says, with `units` for what they need beside
     their own; fills in their verdicts. All are built before any unit runs, and so could meddle.
     `progress` is called with the numbers of tests that ran and will run. A Record chooses the order, and
     what it leaves open runs again, after all others, as without it."""
-    workers = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    workers = toolchain.workers or processors()
 
     def run_into(suite, test, is_again=False):
         suite.verdicts[test.name] = run_test(toolchain, suite, test, seconds, megabytes,
@@ -474,10 +481,10 @@ def _prepare_suite(feature, impl, own, only):
         suite.remarks += remarks + (_not_handed_in(unit) if own else [])
         return suite
     except UnitError as error:
-        if isinstance(error, UnreadableError) and not own:
-            raise
         suite = Suite(feature, Unit(feature, None, feature.stem + ".c", False), tests)
-        suite.give_up(str(error))
+        suite.not_graded = str(error) if isinstance(error, UngradableError) else ""
+        is_unread = isinstance(error, UnreadableError) and not own
+        suite.give_up(f"not graded: {error}" if is_unread else str(error))
         return suite
 
 
@@ -540,8 +547,9 @@ def _grade_here(toolchain, features, suites, impl, decoys=DECOYS, progress=None,
     sandbox.prepare()
     work = private_copy.make_folder()
     try:
-        copy_kit = private_copy.update_kit if kept else private_copy.copy_kit
-        copied = copy_kit(toolchain, features, [suite.feature.stem for suite in suites], kept or work)
+        copied = private_copy.kit_in(toolchain.kit_copy, toolchain) if toolchain.kit_copy else (
+            private_copy.update_kit if kept else private_copy.copy_kit)(
+                toolchain, features, [suite.feature.stem for suite in suites], kept or work)
         for suite in suites:
             suite.folder = os.path.join(work, suite.feature.stem)
             os.mkdir(suite.folder)
@@ -588,6 +596,8 @@ def _grade_apart(toolchain, features, suites, impl, decoys, progress):
         if len(suites) > 1:
             for suite in suites:
                 _grade_apart(toolchain, features, [suite], impl, decoys, progress)
+        elif toolchain.sandbox and str(ended) != "SIGXCPU":  # no signal comes out of there
+            raise MachineError(f"the grader was ended by {ended}") from ended
         else:
             suites[0].give_up("takes the grader too long to read, so no claim has a verdict"
                               if str(ended) == "SIGXCPU" else
@@ -600,13 +610,24 @@ def _grade_apart(toolchain, features, suites, impl, decoys, progress):
 
 def grade_submission(toolchain, stems, impl, only=None, progress=None):
     """Returns the suites of somebody else's work, which runs in the toolchain's sandbox."""
+    suites = prepare_submission(toolchain, stems, impl, only)
+    grade_prepared(toolchain, suites, impl, 0 if only else DECOYS, progress)
+    return suites
+
+
+def prepare_submission(toolchain, stems, impl, only=None):
+    """Returns the suites of somebody else's work, without verdicts where they are to be graded."""
     toolchain.judges = True
     features = read_features(toolchain.source)
     suites = prepare_suites(features, choose(features, stems), impl, False, only)
     suites[0].remarks += ["graded " + toolchain.remark] if toolchain.remark else []
     suites[0].remarks += [f"random cases of SEED={sandbox.seed()}"] if sandbox.seed() else []
-    _grade_apart(toolchain, features, suites, impl, 0 if only else DECOYS, progress)
     return suites
+
+
+def grade_prepared(toolchain, suites, impl, decoys=DECOYS, progress=None):
+    """Grades these suites of prepare_submission."""
+    _grade_apart(toolchain, read_features(toolchain.source), suites, impl, decoys, progress)
 
 
 def check_seed():

@@ -1,34 +1,35 @@
 #!/usr/bin/env python3
-"""Grades a class: each folder or C file in SUBMISSIONS, one after the other. Writes a report for each
-and class.csv, which is rewritten after each, so that an interruption loses no results.
+"""Grades a class: each folder or C file in SUBMISSIONS. Writes a report for each and class.csv, which is
+rewritten after each, so that an interruption loses no results: what has not changed is not graded again.
 
-A submission that cannot be graded gets 0 points and the reason. Rows of class.csv and reports of
-submissions that are not graded this time stay as they are; each row says when it was made.
+Points of a submission that cannot be graded are empty cells, with the reason; so are those of one that this
+machine failed to grade. Rows of class.csv and reports of submissions that are not graded this time stay as they
+are; each row says when it was made.
 """
 
 import collections
-import csv
-import errno
-import io
+import fnmatch
+import json
 import os
 import re
 import sys
-import time
 
 from grading import bubblewrap
 from grading import build
+from grading import class_jobs
 from grading import integrity
+from grading import private_copy
 from grading import results
 from grading import sandbox
+from grading import verdict_files
 from grading.assignments import (
-    Parser, ToolError, Unit, cannot_write, choose, choose_format, is_archive, is_misnamed_c, read_features,
+    Parser, ToolError, cannot_write, choose, choose_format, is_archive, is_misnamed_c, read_features,
     read_points,
 )
-from grading.c_source import tokens_of
-from grading.starters import is_handed_out
-from grade import Suite, check_seed, grade_submission, stop_on_signals
+from grading.class_table import Table
+from grade import check_seed, processors, stop_on_signals
+from grade_one import ELSEWHERE, ENDINGS, Grader, student_of, summary
 
-_ENDINGS = {"text": ".txt", "table": ".txt", "tap": ".tap", "junit": ".xml", "gradescope": ".json"}
 _SHOWN = 3  # claims that the class failed most often
 # What systems, editors and version control leave behind.
 _LEFT_BEHIND = re.compile(r"\.(_.*|DS_Store|localized|Spotlight-V100|Trash.*|fseventsd|directory|nfs.*"
@@ -49,7 +50,7 @@ def submissions_in(folder):
         if entry.startswith("."):
             strays += [] if _LEFT_BEHIND.fullmatch(entry) else [entry]
             continue
-        is_unpacked = is_archive(entry) and os.path.isdir(os.path.join(folder, _student(entry)))
+        is_unpacked = is_archive(entry) and os.path.isdir(os.path.join(folder, student_of(entry)))
         if is_unpacked or not (os.path.isdir(path) or os.path.islink(path) or entry.endswith(".c")
                                or is_archive(entry) or is_misnamed_c(entry)):
             strays.append(entry)
@@ -60,17 +61,12 @@ def submissions_in(folder):
     return found, strays
 
 
-def _student(entry):
-    """Returns the name of a file without the endings that submissions have."""
-    return re.sub(r"(\.c|\.c\.txt|\.tar\.\w+|\.\w+)$", "", entry, flags=re.IGNORECASE)
-
-
 def _namesakes(found):
     """Returns a dictionary from the names of submissions that may be one student's to the others' names."""
     students = {}
     for name, path in found.items():
         entry = os.path.basename(path)
-        students.setdefault(entry if os.path.isdir(path) else _student(entry), []).append(name)
+        students.setdefault(entry if os.path.isdir(path) else student_of(entry), []).append(name)
     return {name: [other for other in names if other != name] for names in students.values()
             for name in names}
 
@@ -83,112 +79,18 @@ def _check_is_a_class(folder, found, features):
                         f"give the folder that it is in, or grade it by make grade IMPL={folder}")
 
 
-def _is_reference_text(suite):
-    """Whether the unit's code is the reference's, whatever its comments and layout."""
-    reference, path = suite.feature.reference, suite.unit.path
-    if not path or not os.path.exists(reference) or is_handed_out(reference):
-        return False
-    texts = []
-    for name in (path, reference):
-        with open(name, encoding="utf-8", errors="replace") as file:
-            texts.append([token.text for token in tokens_of(file.read(1 << 20))])
-    return texts[0] == texts[1]
+def _chosen(found, only):
+    """Returns the submissions whose names fit one of the patterns in ONLY."""
+    patterns = only.split()
+    chosen = {name: path for name, path in found.items()
+              if not patterns or any(fnmatch.fnmatchcase(results.name_of(name), pattern) for pattern in patterns)}
+    for pattern in patterns:
+        if not fnmatch.filter(map(results.name_of, found), pattern):
+            raise ToolError(f"ONLY={pattern}: there is no such submission")
+    return chosen
 
 
-def _remarks(suites):
-    """Remarks for the instructor beside the points."""
-    told = next((suite for suite in suites if not suite.passed()), None)  # stands in a column of its own
-    remarks = []
-    for suite in suites:
-        is_told = suite is told or (told and suite.problem == told.problem)
-        remarks += [f"{suite.feature.stem}: {suite.problem}"] if suite.problem and not is_told else []
-        remarks += suite.remarks
-        hung = sum(verdict.timed_out for verdict in suite.verdicts.values())
-        remarks += [f"{suite.feature.stem}: {hung} claims timed out"] if hung else []
-        if suite.unit.is_reference:
-            remarks.append(f"{suite.feature.stem}: this is the reference")
-        elif _is_reference_text(suite):
-            remarks.append(f"{suite.feature.stem}: the same text as the reference")
-    return "; ".join(dict.fromkeys(remark.replace("\n", " ") for remark in remarks))
-
-
-class Table:
-    """class.csv, a row for each submission. Begins with the rows of earlier runs."""
-
-    def __init__(self, path, stems):
-        self.path, self._rows = path, {}
-        self._heading = ["name", *stems, "total", "maximum", "first failing claim", "reason", "remarks",
-                         "graded"]
-        try:
-            with open(path, encoding="utf-8", newline="") as file:
-                rows = list(csv.reader(file))
-        except FileNotFoundError:
-            return
-        except (OSError, ValueError, csv.Error) as error:
-            raise ToolError(f"{path} cannot be read ({error}); choose another folder for OUT") from error
-        if rows and rows[0] != self._heading:
-            raise ToolError(f"{path} has other columns ({', '.join(rows[0])}); choose another folder for OUT")
-        self._rows = {results.text_of_cell(row[0]): row for row in rows[1:] if row}
-
-    def put(self, name, points, most, first, remarks):
-        """Adds or replaces a row, and rewrites the file."""
-        name = results.name_of(name)
-        first, reason, remarks = map(results.csv_cell, (*first, remarks))
-        self._rows[name] = [results.csv_cell(name), *points, sum(points), most, first, reason, remarks,
-                            time.strftime("%Y-%m-%d %H:%M:%S %z")]
-        text = io.StringIO()
-        csv.writer(text, lineterminator="\n").writerows([self._heading, *self._rows.values()])
-        results.write_whole(self.path, text.getvalue())
-
-
-def _check_submission(path, submissions):
-    """Raises ToolError unless the path itself holds a student's work."""
-    if os.path.realpath(path) != os.path.join(os.path.realpath(submissions), os.path.basename(path)):
-        raise ToolError("it is a link; a submission is a folder or C file of its own")
-    name = os.path.basename(path)
-    if is_archive(name) and not os.path.isdir(path):
-        raise ToolError(f"unpack {name} into a folder {_student(name)}")
-    if is_misnamed_c(name) and not os.path.isdir(path):
-        raise ToolError(f"rename {name} to {_student(name)}.c")
-
-
-def _suites_of(toolchain, features, path, submissions):
-    """Returns the graded suites of one submission, and whether they could be graded."""
-    try:
-        _check_submission(path, submissions)
-        return grade_submission(toolchain, [feature.stem for feature in features], path), True
-    except Exception as error:  # whatever one submission brings about, the others are graded
-        if not os.path.lexists(path):
-            error = f"{os.path.basename(path)} vanished while the class was graded"
-        suites = [Suite(feature, Unit(feature, None, feature.stem + ".c", False), read_points(feature))
-                  for feature in features]
-        for suite in suites:
-            suite.give_up(f"not graded: {error}")
-        return suites, False
-
-
-def _write_report(suites, name, out, format_name):
-    """Writes a submission's report in place of those that earlier runs made, in any format."""
-    for ending in set(_ENDINGS.values()):
-        old = os.path.join(out, name + ending)
-        if os.path.lexists(old):
-            os.unlink(old)
-    path = os.path.join(out, name + _ENDINGS[format_name])
-    try:
-        results.write_whole(path, results.FORMATS[format_name](suites, name))
-    except ToolError as error:
-        if getattr(error.__cause__, "errno", 0) != errno.ENAMETOOLONG:
-            raise
-        raise ToolError("rename the submission: the report's name would be too long") from error
-
-
-def grade_class(build_folder, stems, submissions, out, format_name):
-    """Grades all; returns how many could not be graded."""
-    check_seed()
-    toolchain = build.Toolchain(build_folder)
-    features = choose(read_features(toolchain.source), stems)
-    found, strays = submissions_in(submissions)
-    _check_is_a_class(submissions, found, read_features(toolchain.source))
+def _check_out(out, submissions):
     if not out:
         raise ToolError("say where the results go: OUT=results, a folder")
     if os.path.join(os.path.realpath(out), "").startswith(os.path.join(os.path.realpath(submissions), "")):
@@ -197,71 +99,203 @@ def grade_class(build_folder, stems, submissions, out, format_name):
         os.makedirs(out, exist_ok=True)
     except OSError as error:
         raise cannot_write(out, error) from error
-    table = Table(os.path.join(out, "class.csv"), [feature.stem for feature in features])
+
+
+def _engine(arguments, sandboxed):
+    """Returns the class_jobs.Engine, or None for one submission after the other, on all processors."""
+    text, hosts = arguments.jobs or "", (arguments.hosts or "").split()
+    if not re.fullmatch(r"([1-9][0-9]{0,3})?", text):
+        raise ToolError(f"JOBS={text}: give how many submissions are graded at once, from 1 on")
+    if not sandboxed:  # who changed the kit shows only between two
+        if int(text or 1) > 1 or hosts:
+            raise ToolError("without a sandbox, submissions are graded one after the other: leave out JOBS and HOSTS")
+        return None
+    if not text and not hosts and not class_jobs.find_parallel():
+        print("grade-class: one after the other, as GNU parallel is not installed (Debian: apt-get install "
+              "parallel)", flush=True)
+        return None
+    jobs = int(text or processors())
+    return class_jobs.Engine(jobs, hosts) if jobs > 1 or hosts else None
+
+
+class _Class:
+    """A class that is being graded."""
+
+    def __init__(self, stems, found, out, engine, watch):
+        self.found, self.out, self.engine, self.watch = found, out, engine, watch
+        self.stems, self.table = stems, Table(os.path.join(out, "class.csv"), stems)
+        self.done, self.doubtful, self.faults = 0, 0, {}
+        self._names, self._namesakes = list(found), _namesakes(found)
+        self._failed, self._judged, self._told = collections.Counter(), collections.Counter(), None
+
+    def begin(self, number):
+        """Says whose turn it is: who ends this process is then the last one named."""
+        name = self._names[number - 1]
+        width = len(str(len(self.found)))
+        print(f"{number:>{width}} of {len(self.found)}  {results.name_of(name):<24}", end="", flush=True)
+        self._told = number
+
+    def _say(self, number, text):
+        if self._told != number:
+            self.begin(number)
+        print(results.printable(text), flush=True)
+        self._told = None
+
+    def take(self, number, found, remark=""):
+        """Adds what was found of a submission to the table."""
+        name = self._names[number - 1]
+        twins = [results.name_of(other) for other in self._namesakes.get(name, [])]
+        doubts = [f"{changed} changed since grading began, so these points may be wrong"
+                  for changed in filter(None, [self._changed(name)])]
+        remarks = [f"another submission has the same name: {', '.join(twins)}"] if twins else []
+        self.table.put(name, found, "; ".join([*doubts, *remarks]))
+        self.table.write()
+        if self.watch:
+            self.watch.accept(self.out, ["class.csv"])
+        self.done += not doubts and not any(part["not_graded"] for part in found)
+        for part in found:
+            if not part["problem"]:  # what does not build says nothing of single claims
+                for claim in part["claims"]:
+                    key = f"{part['assignment']}: {claim['name']}"
+                    self._judged[key] += 1
+                    self._failed[key] += not claim["passed"]
+        self._say(number, "; ".join([summary(found) + remark, *doubts]))
+
+    def _changed(self, name):
+        if not self.watch:
+            return ""
+        written = [verdict_files.file_name(name) + ending for ending in set(ENDINGS.values())]
+        self.watch.accept(self.out, written)
+        for stem in self.stems:
+            path = verdict_files.path_of(self.out, stem, name)
+            self.watch.accept(*os.path.split(path)[:1], [os.path.basename(path)])
+        return self.watch.changed()
+
+    def fail(self, number, fault):
+        """Notes a submission that this machine did not grade. A row that is there stays."""
+        name = self._names[number - 1]
+        self.faults[name] = fault
+        if not self.table.has(name):
+            self.table.put_unknown(name, fault)
+            self.table.write()
+            if self.watch:
+                self.watch.accept(self.out, ["class.csv"])
+        self._say(number, f"   no verdict: {fault}")
+
+    def read(self, number):
+        """Returns what a worker wrote about a submission."""
+        name = self._names[number - 1]
+        found = [verdict_files.read(self.out, stem, name) for stem in self.stems]
+        if None in found:
+            raise ToolError(f"the verdicts on {results.name_of(name)} are not in {self.out}: is it the same "
+                            "folder on all HOSTS?")
+        return found
+
+    def summarize(self):
+        most = self._failed.most_common(_SHOWN)
+        if any(count for _, count in most):
+            print("grade-class: failed most often: " + ", ".join(
+                f"{claim} ({count} of {self._judged[claim]})" for claim, count in most if count))
+
+
+def _known(job, grader):
+    """Takes over what has not changed; returns the numbers of the others."""
+    numbers = []
+    for number, (name, path) in enumerate(job.found.items(), 1):
+        found = grader.known(path, name)
+        if found:
+            is_old = any(part["key"] for part in found)
+            job.take(number, found, ", unchanged" if is_old else "")
+        else:
+            numbers.append(number)
+    return numbers
+
+
+def _work(job, numbers, command):
+    """Grades these; ends early where this machine fails again and again."""
+    left = set(numbers)
+    jobs = (job.engine.run(command(max(1, processors() // job.engine.jobs)), numbers) if job.engine
+            else class_jobs.one_by_one(command(processors()), numbers, job.begin))
+    for ended in jobs:
+        left.discard(ended.number)
+        if ended.fault:
+            job.fail(ended.number, ended.fault)
+        else:
+            job.take(ended.number, job.read(ended.number))
+    return left
+
+
+def _list_of(found, folder):
+    """Writes the list that workers read: names of files can be any bytes."""
+    path = os.path.join(folder, "class.json")
+    with open(path, "w", encoding="utf-8") as file:
+        json.dump([[os.fsencode(name).hex(), os.fsencode(os.path.abspath(path)).hex()]
+                   for name, path in found.items()], file)
+    return path
+
+
+def grade_class(arguments):
+    """Grades all; returns the exit status."""
+    submissions, out = arguments.submissions, arguments.out
+    check_seed()
+    toolchain = build.Toolchain(arguments.build)
+    all_features = read_features(toolchain.source)
+    features = choose(all_features, arguments.stems)
+    stems = [feature.stem for feature in features]
+    found, strays = submissions_in(submissions)
+    _check_is_a_class(submissions, found, all_features)
+    found = _chosen(found, arguments.only or "")
+    _check_out(out, submissions)
     sandbox.prepare()
     toolchain.sandbox, toolchain.remark = bubblewrap.find(toolchain)
+    toolchain.judges = True
     if toolchain.remark:
         print(f"grade-class: {toolchain.remark}", flush=True)
+    engine = _engine(arguments, bool(toolchain.sandbox))
     watch = None if toolchain.sandbox else integrity.Watch(toolchain, submissions, out)
+    job = _Class(stems, found, out, engine, watch)
     if strays:
         print("grade-class: no submissions, so ignored: " + ", ".join(map(results.name_of, strays)))
-    ungraded, namesakes = 0, _namesakes(found)
+    with private_copy.borrowed(None, toolchain, all_features, stems, out if arguments.hosts else None) as kit:
+        toolchain.kit_copy = kit
+        numbers = _known(job, Grader(toolchain, stems, out, arguments.format, arguments.again))
+        listed = _list_of(found, kit)
+        left = _work(job, numbers, lambda count: class_jobs.command_of(
+            arguments.build, stems, out, arguments.format, kit, listed, count, arguments.again))
+    job.summarize()
     most = sum(test.points for feature in features for test in read_points(feature))
-    failed, judged = collections.Counter(), collections.Counter()
-    for number, (name, path) in enumerate(found.items(), 1):
-        # Said before: who ends this process is then the last one named.
-        print(f"{number:>{len(str(len(found)))}} of {len(found)}  {results.name_of(name):<24}", end="",
-              flush=True)
-        suites, was_graded = _suites_of(toolchain, features, path, submissions)
-        doubts, twins = [], [results.name_of(path) for path in namesakes.get(name, [])]
-        remarks = [f"another submission has the same name: {', '.join(twins)}"] if twins else []
-        changed = watch and watch.changed()
-        if changed:
-            doubts.append(f"{changed} changed since grading began, so these points may be wrong")
-        try:
-            _write_report(suites, name, out, format_name)
-        except (OSError, ToolError) as error:
-            doubts.append(f"no report: {error}")
-        table.put(name, [suite.points() for suite in suites], most, results.first_failed(suites),
-                  "; ".join(filter(None, [*doubts, *remarks, _remarks(suites)])))
-        if watch:
-            watch.accept(out, [name + ending for ending in _ENDINGS.values()] + ["class.csv"])
-        # What does not build says nothing of single claims.
-        verdicts = {f"{suite.feature.stem}: {test.name}": suite.verdicts[test.name].passed
-                    for suite in suites if not suite.problem for test in suite.tests}
-        judged.update(verdicts.keys())
-        failed.update(claim for claim, passed in verdicts.items() if not passed)
-        ungraded += not was_graded or bool(doubts)
-        said = f"{results.total(suites):>12} points" if was_graded else "   " + suites[0].problem
-        print(results.printable("; ".join([said, *doubts])), flush=True)
-    if failed:
-        print("grade-class: failed most often: " + ", ".join(f"{claim} ({count} of {judged[claim]})"
-                                                             for claim, count in failed.most_common(_SHOWN)))
-    print(f"grade-class: {len(found) - ungraded} of {len(found)} graded, of {most} points each; "
-          f"wrote {table.path}")
-    return ungraded
+    print(f"grade-class: {job.done} of {len(found)} graded, of {most} points each; wrote {job.table.path}")
+    if job.faults:
+        reason = next(iter(job.faults.values()))
+        others = f", and {len(left)} were not begun" if left else ""
+        print(f"grade-class: this machine failed: {reason}{others}; mend that, and give the same command again: "
+              "what is there stays", file=sys.stderr)
+        return ELSEWHERE
+    return 0 if job.done == len(found) else 1
 
 
 def main():
     parser = Parser(
         description=__doc__.split("\n\n")[0],
-        epilog="Exit status: 0 all were graded, whatever their points; "
-        "1 some could not be, or their points may be wrong; 2 it could not begin.",
+        epilog="Exit status: 0 all were graded, whatever their points; 1 some could not be, or their points may be "
+        f"wrong; 2 it could not begin; {ELSEWHERE} this machine failed some: give the command again.",
     )
-    parser.add_argument("stems", nargs="*", metavar="STEM", help="features; default: all")
-    parser.add_argument("--submissions", required=True, metavar="DIR",
-                        help="a folder or C file for each student")
-    parser.add_argument("--out", required=True, metavar="DIR", help="where the results go")
-    parser.add_argument("--build", default=".", metavar="DIR", help="where raykit was built (default: here)")
-    parser.add_argument("--format", metavar="FORMAT", default="gradescope",
-                        help=f"of the reports: {', '.join(sorted(_ENDINGS))}")
+    add = parser.add_argument
+    add("stems", nargs="*", metavar="STEM", help="features; default: all")
+    add("--submissions", required=True, metavar="DIR", help="a folder or C file for each student")
+    add("--out", required=True, metavar="DIR", help="where the results go")
+    add("--build", default=".", metavar="DIR", help="where raykit was built (default: here)")
+    add("--format", metavar="FORMAT", default="gradescope", help=f"of the reports: {', '.join(sorted(ENDINGS))}")
+    add("--jobs", metavar="N", help="so many submissions at once, with GNU parallel; default: one for each processor")
+    add("--hosts", metavar="NAMES", help="machines for ssh that have the same folders at the same paths; : is this one")
+    add("--only", metavar="NAMES", help="only submissions of these names, such as 'ann b*'")
+    add("--again", action="store_true", help="also what has not changed")
     arguments = parser.parse_args()
     sys.stdout.reconfigure(errors="backslashreplace")  # names of files can be any bytes
     stop_on_signals()
     try:
-        choose_format(arguments.format, _ENDINGS)
-        ungraded = grade_class(arguments.build, arguments.stems, arguments.submissions, arguments.out,
-                               arguments.format)
+        choose_format(arguments.format, ENDINGS)
+        return grade_class(arguments)
     except ToolError as error:
         print(f"grade-class: {error}", file=sys.stderr)
         return 2
@@ -269,9 +303,9 @@ def main():
         print(f"grade-class: {error.filename or 'the system'}: {error.strerror}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
-        print("grade-class: stopped; finished reports are in the results", file=sys.stderr)
+        print("grade-class: stopped; what is finished is in the results, and the same command goes on",
+              file=sys.stderr)
         return 130
-    return 1 if ungraded else 0
 
 
 if __name__ == "__main__":

@@ -26,11 +26,29 @@ class UnitError(ToolError):
     """A submission that cannot be graded, and so earns nothing; the text is the reason."""
 
 
-class UnreadableError(UnitError):
-    """One that the system does not let this user read, so nobody knows what it earns."""
+class UngradableError(UnitError):
+    """One of which nobody knows what it earns until somebody has done what the text says."""
+
+
+class UnreadableError(UngradableError):
+    """One that the system does not let this user read."""
 
     def __init__(self, what):
         super().__init__(f"{what} cannot be read; check its permissions")
+
+
+class MachineError(ToolError):
+    """A fault of this machine, which says nothing about a submission: it may do later, or elsewhere."""
+
+
+_MACHINES_FAULTS = {errno.ENOSPC, errno.EDQUOT, errno.ENOMEM, errno.EMFILE, errno.ENFILE, errno.EAGAIN, errno.EIO,
+                    errno.EROFS, errno.ESTALE, errno.ENODEV}
+
+
+def is_machines_fault(error):
+    """Whether an exception tells of a full disk, no memory or the like."""
+    return isinstance(error, (MachineError, MemoryError)) or (
+        isinstance(error, OSError) and error.errno in _MACHINES_FAULTS)
 
 
 _FULL = "; free some space, or choose another place"
@@ -39,7 +57,8 @@ _ADVICE = {errno.ENOSPC: _FULL, errno.EDQUOT: _FULL, errno.ENAMETOOLONG: "; choo
 
 def cannot_write(path, error):
     """Returns the ToolError for an OSError that prevents writing a file or folder."""
-    return ToolError(f"{path}: cannot be written: {error.strerror}{_ADVICE.get(error.errno, '')}")
+    kind = MachineError if is_machines_fault(error) else ToolError
+    return kind(f"{path}: cannot be written: {error.strerror}{_ADVICE.get(error.errno, '')}")
 
 
 class Parser(argparse.ArgumentParser):
@@ -311,16 +330,16 @@ def _place_below(feature, impl):
     files = _files_below(impl)
     places = [path for path in files if os.path.basename(path) == name]
     if not places and any(os.path.basename(path) == _TOO_DEEP for path in files):
-        raise UnitError(f"there is no {name} in the first {_DEEPEST} folders within folders; move it to the "
-                        "top of the folder")
+        raise UngradableError(f"there is no {name} in the first {_DEEPEST} folders within folders; move it to "
+                              "the top of the folder")
     if not places:  # a browser numbers what was downloaded or handed in again
         again = re.compile(rf"{feature.stem}(-[0-9]+| ?\([0-9]+\))\.c")
         places = [path for path in files if again.fullmatch(os.path.basename(path))]
     in_workbooks = [path for path in places if os.path.basename(os.path.dirname(path)) == "workbook"]
     chosen = in_workbooks if len(in_workbooks) == 1 else places
     if len(chosen) > 1:
-        raise UnitError(f"there are several {name}: {', '.join(chosen[:4])}; "
-                        f"move the right one to the top of the folder, as {name}")
+        raise UngradableError(f"there are several {name}: {', '.join(chosen[:4])}; "
+                              f"move the right one to the top of the folder, as {name}")
     return chosen[0] if chosen else None
 
 
@@ -335,8 +354,10 @@ def submitted_unit(feature, impl, place=None):
         if not os.path.isdir(impl) or not place.startswith(os.path.join(os.path.realpath(impl), "")):
             raise UnitError(f"{os.path.basename(path)} is a link to a file outside of the submission")
     if not os.path.lexists(path):
-        likely = _likely(feature, impl) or "found: " + _what_is_in(impl)
-        raise UnitError(f"there is no {feature.stem}.c; {likely}")
+        likely = _likely(feature, impl)
+        if likely:
+            raise UngradableError(f"there is no {feature.stem}.c; {likely}")
+        raise UnitError(f"there is no {feature.stem}.c; found: {_what_is_in(impl)}")
     return _unit_in(feature, path)
 
 

@@ -13,10 +13,11 @@ import subprocess
 
 from grading import sandbox
 from grading import unit_rules
-from grading.assignments import ToolError
+from grading.assignments import MachineError, ToolError
 from grading.c_source import functions_of, line_of, tokens_of
 
 _SECONDS = 30
+_BYTES_LEFT = 1 << 20  # a disk with less is full, whatever a tool says that failed there
 _MEGABYTES = 4096
 # What ends a compiler: limits, and signals by its own words.
 _ENDS = {
@@ -72,6 +73,8 @@ class Toolchain:
         self.kit = self.source  # where it stands; in a private copy, `source` is the copy
         self.sandbox, self.remark = None, ""  # or a Bubblewrap; what is to be said without one
         self.judges = False  # whether units run apart from their suites: at home they need not
+        self.kit_copy = None  # a folder with a copy of the kit (private_copy) that several gradings share
+        self.workers = None  # so many processors; None for all
         tools = os.path.realpath(os.path.join(os.path.dirname(__file__), "..", ".."))
         if os.path.realpath(self.source) != tools:
             raise ToolError(f"{path} was made for the kit in {self.source}, but this one stands in {tools}: "
@@ -96,12 +99,22 @@ def _run_tool(toolchain, command, folder):
                            PATH=os.environ.get("PATH", os.defpath))
         enclose = functools.partial(toolchain.sandbox.around_compiler, folder=folder, kit=toolchain.source)
     try:
-        return sandbox.run(
+        outcome = sandbox.run(
             command, seconds=_SECONDS, megabytes=_MEGABYTES, folder=os.getcwd(),
             environment=environment, output_bytes=4 << 20, enclose=enclose,
         )
     except OSError as error:
-        raise ToolError(f"{command[0]} cannot be run: {error.strerror}") from error
+        raise MachineError(f"{command[0]} cannot be run: {error.strerror}") from error
+    if outcome.status != 0:
+        _check_disk(folder)
+    return outcome
+
+
+def _check_disk(folder):
+    """Raises MachineError if the disk is full. Not by what tools say: a unit can have them say that."""
+    room = os.statvfs(folder)
+    if room.f_bavail * room.f_frsize < _BYTES_LEFT or room.f_files and room.f_favail == 0:
+        raise MachineError(f"the disk of {folder} is full; free some space, or choose another by TMPDIR")
 
 
 def _around_tool(toolchain, path):
@@ -384,6 +397,7 @@ def keep_interface(toolchain, feature, path, for_suite=False):
     command = around(command) if around else command
     answer = subprocess.run(command, capture_output=True, text=True, check=False)
     if answer.returncode:
+        _check_disk(os.path.dirname(path))
         raise ToolError(f"{command[0]} failed on {path}: {answer.stderr.strip()}")
 
 

@@ -13,7 +13,7 @@ import tempfile
 import time
 
 from grading import sandbox
-from grading.assignments import ToolError
+from grading.assignments import MachineError, ToolError, is_machines_fault
 from grading.private_copy import make_folder
 
 _PATIENCE = 5  # seconds to clean up after an interrupt
@@ -27,8 +27,8 @@ class Ended(Exception):
 
 
 def call(function, *arguments):
-    """Returns what the function does, as JSON; raises ToolError if it raised an error, or Ended. Its
-    temporary files and child processes are removed with it."""
+    """Returns what the function does, as JSON; raises ToolError if it raised an error, MachineError for a
+    fault of this machine, or Ended. Its temporary files and child processes are removed with it."""
     folder = make_folder()
     sys.stdout.flush()
     reading, writing = os.pipe()
@@ -57,7 +57,7 @@ def call(function, *arguments):
     except (ValueError, TypeError, KeyError) as damage:
         raise Ended("a damaged answer") from damage
     if error:
-        raise ToolError(str(error))
+        raise (MachineError if answer.get("is_machines") is True else ToolError)(str(error))
     return result
 
 
@@ -71,7 +71,8 @@ def _answer(writing, function, arguments):
         try:
             answer = {"result": function(*arguments), "error": None}
         except Exception as error:  # the caller knows what to do with it
-            answer = {"result": None, "error": str(error) or type(error).__name__}
+            answer = {"result": None, "error": str(error) or type(error).__name__,
+                      "is_machines": is_machines_fault(error)}
         with os.fdopen(writing, "w", encoding="utf-8") as pipe:
             json.dump(answer, pipe)
         status = 0

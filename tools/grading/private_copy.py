@@ -1,6 +1,7 @@
 """Grading works on copies: of what it needs from the kit, so that nobody changes it meanwhile, and of
 the unit, under a plain name, so that no character in a student's folder name matters."""
 
+import contextlib
 import copy
 import glob
 import os
@@ -40,10 +41,22 @@ def _is_stale(path):
     return False
 
 
+def sources_of_suites(stems):
+    """Returns the names of files in tests that suites of these features need."""
+    return [name for stem in stems for name in (f"test_{stem}.c", f"{stem}.calls")]
+
+
+def objects_of_suites(toolchain, stems):
+    """Returns the files in the build folder that suites of these features need, and no other."""
+    judges = [name for stem in stems if toolchain.judges and judged.is_possible(toolchain, stem)
+              for name in judged.files(stem)]
+    return [*(f"tests/test_{stem}.o" for stem in stems), *judges]
+
+
 def _files_of_kit(toolchain, features, stems):
     """Yields what the suites of these features need, and where it stands in a copy. The references' objects
     lie apart from the headers, which are all that a compiler sees of the kit."""
-    of_suites = {name for stem in stems for name in (f"test_{stem}.c", f"{stem}.calls")}
+    of_suites = set(sources_of_suites(stems))
     for room in ("src", "tests"):
         for where, _, names in os.walk(os.path.join(toolchain.source, room)):
             for name in names:
@@ -51,15 +64,12 @@ def _files_of_kit(toolchain, features, stems):
                     path = os.path.join(where, name)
                     yield path, os.path.join("kit", os.path.relpath(path, toolchain.source))
     needed = ["librktest.a", "librkbase.a", "impl/count_allocations.o",
-              *[f"tests/test_{stem}.o" for stem in stems],
-              *[f"src/features/{stem}.o" for stem in features]]
-    for stem in stems if toolchain.judges else []:
-        needed += judged.files(stem) if judged.is_possible(toolchain, stem) else []
+              *[f"src/features/{stem}.o" for stem in features], *objects_of_suites(toolchain, stems)]
     for path in dict.fromkeys(needed):
         yield toolchain.built(path), os.path.join("objects", path)
 
 
-def _copied(toolchain, folder):
+def kit_in(folder, toolchain):
     """Returns the toolchain of the kit's copy in this folder."""
     kit = os.path.join(folder, "kit")
     copied = copy.copy(toolchain)
@@ -74,7 +84,7 @@ def copy_kit(toolchain, features, stems, folder):
         place = os.path.join(folder, place)
         os.makedirs(os.path.dirname(place), exist_ok=True)
         shutil.copy(path, place)
-    return _copied(toolchain, folder)
+    return kit_in(folder, toolchain)
 
 
 def update_kit(toolchain, features, stems, folder):
@@ -88,7 +98,21 @@ def update_kit(toolchain, features, stems, folder):
         with open(record, "w", encoding="utf-8") as file:
             file.write(state)
         return copied
-    return _copied(toolchain, folder)
+    return kit_in(folder, toolchain)
+
+
+@contextlib.contextmanager
+def borrowed(folder, toolchain, features, stems, place=None):
+    """Gives a folder with a copy of the kit for these suites, all for []: this one, or, for None, one that is
+    made, in `place` if that is not None, and removed in the end."""
+    made = None if folder else tempfile.mkdtemp(prefix=".kit-", dir=place) if place else make_folder()
+    try:
+        if made:
+            copy_kit(toolchain, features, stems or list(features), made)
+        yield folder or made
+    finally:
+        if made:
+            shutil.rmtree(made, ignore_errors=True)
 
 
 def copy_unit(unit, folder):

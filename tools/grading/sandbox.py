@@ -17,7 +17,7 @@ import subprocess
 import threading
 import time
 
-from grading.assignments import ToolError
+from grading.assignments import MachineError
 from grading.idleness import Idleness
 
 stop = threading.Event()  # set: every run ends at once
@@ -94,6 +94,18 @@ def end_with_parent(number=signal.SIGKILL):
     would get the next process up as its parent, and could kill that, too."""
     set_parent_death_signal = 1
     _prctl(set_parent_death_signal, int(number), 0, 0, 0)
+
+
+def _killed_for_memory():
+    """Returns how many processes Linux has ended because there was no memory."""
+    try:
+        with open("/proc/vmstat", encoding="ascii") as file:
+            return next((int(line.split()[1]) for line in file if line.startswith("oom_kill ")), 0)
+    except OSError:
+        return 0
+
+
+_KILLED_BEFORE = _killed_for_memory()
 
 
 def _children(pid):
@@ -262,7 +274,7 @@ def run(command, *, seconds, megabytes, folder, environment, output_bytes=16 << 
     whether it came back; outcome.testimony is what else came. `enclose` puts a command into bubblewrap.
     `when_begun` is called when the program has its descriptors; it ends when it `is_needless`. It may work no
     longer than its seconds, and sleep no longer while its `partners`, the processes that it works with, do
-    nothing either; they may work some times as long. Raises ToolError where the machine is too busy."""
+    nothing either; they may work some times as long. Raises MachineError where this machine is to blame."""
     outcome, kept = Outcome(), _Tail()
     descriptors, options = tuple(descriptors), {}
     status = os.pipe() if enclose else ()
@@ -329,7 +341,9 @@ def run(command, *, seconds, megabytes, folder, environment, output_bytes=16 << 
     if enclose and outcome.status > _ENDED_BY_SIGNAL:
         outcome.status = _ENDED_BY_SIGNAL - outcome.status
     if not has_run and not outcome.limit and outcome.status >= 0:
-        raise ToolError(f"the sandbox cannot be made: {outcome.output.strip()}")
+        raise MachineError(f"the sandbox cannot be made: {outcome.output.strip()}")
+    if outcome.status == -signal.SIGKILL and not outcome.limit and _killed_for_memory() > _KILLED_BEFORE:
+        raise MachineError("this machine has no memory left, and ended a program for it")
     return outcome
 
 
@@ -399,8 +413,8 @@ def _watch(process, partners, outcome, kept, times, memory_bytes, output_bytes, 
                 outcome.limit = "seconds"
                 _ask_where(process, kept, is_enclosed)
             elif now - began > _STARVED * seconds:
-                raise ToolError(f"the machine is too busy: what worked {_worked(process.pid, 0):.1f} s did "
-                                f"not end in {now - began:.0f} s; grade again when less else runs")
+                raise MachineError(f"the machine is too busy: what worked {_worked(process.pid, 0):.1f} s did "
+                                   f"not end in {now - began:.0f} s; grade again when less else runs")
             if outcome.limit:
                 return
 
