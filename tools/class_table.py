@@ -35,8 +35,9 @@ def _verdicts(folders):
 
 def _missing(feature):
     """Returns what stands for an assignment that was not graded yet."""
-    return {"assignment": feature.stem, "not_graded": "no verdict yet", "passed": False, "problem": "", "notes": [],
-            "maximum": sum(test.points for test in read_points(feature)), "graded": "", "first": "", "reason": ""}
+    found = dict.fromkeys(("problem", "graded", "first", "reason"), "")
+    return found | {"assignment": feature.stem, "not_graded": "no verdict yet", "passed": False, "notes": [],
+                    "maximum": sum(test.points for test in read_points(feature))}
 
 
 def _merge(arguments):
@@ -45,7 +46,8 @@ def _merge(arguments):
         raise ToolError(f"RESULTS: there are no verdict files in {' or '.join(arguments.folders)}; "
                         "make grade-class and grade-one write them")
     graded = {stem for found in names.values() for stem in found}
-    features = [feature for feature in choose(read_features(Toolchain(arguments.build).source), arguments.stems)
+    known = read_features(Toolchain(arguments.build).source)
+    features = [feature for feature in choose(known, arguments.stems)
                 if arguments.stems or feature.stem in graded]
     path = os.path.join(arguments.out, "class.csv")
     results.check_place(path)
@@ -59,7 +61,8 @@ def _merge(arguments):
 
 
 def main():
-    parser = Parser(description=__doc__, epilog="Exit status: 0 the table is written; 2 there is nothing to write.")
+    parser = Parser(description=__doc__,
+                    epilog="Exit status: 0 the table is written; 2 there is nothing to write.")
     add = parser.add_argument
     add("stems", nargs="*", metavar="STEM", help="features; default: those that were graded")
     add("--folders", nargs="+", required=True, metavar="DIR", help="with results")

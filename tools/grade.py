@@ -364,10 +364,10 @@ def processors():
 
 
 def grade(toolchain, suites, units, seconds, megabytes=MEGABYTES, progress=None, decoys=DECOYS, record=None):
-    """Builds all suites, then runs them, on all processors or as many as the toolchain says, with `units` for what they need beside
-    their own; fills in their verdicts. All are built before any unit runs, and so could meddle.
-    `progress` is called with the numbers of tests that ran and will run. A Record chooses the order, and
-    what it leaves open runs again, after all others, as without it."""
+    """Builds all suites, then runs them, on all processors or as many as the toolchain says, with `units` for
+    what they need beside their own; fills in their verdicts. All are built before any unit runs, and so could
+    meddle. `progress` is called with the numbers of tests that ran and will run. A Record chooses the order,
+    and what it leaves open runs again, after all others, as without it."""
     workers = toolchain.workers or processors()
 
     def run_into(suite, test, is_again=False):

@@ -3,8 +3,8 @@
 rewritten after each, so that an interruption loses no results: what has not changed is not graded again.
 
 Points of a submission that cannot be graded are empty cells, with the reason; so are those of one that this
-machine failed to grade. Rows of class.csv and reports of submissions that are not graded this time stay as they
-are; each row says when it was made.
+machine failed to grade. Rows of class.csv and reports of submissions that are not graded this time stay as
+they are; each row says when it was made.
 """
 
 import collections
@@ -23,8 +23,8 @@ from grading import results
 from grading import sandbox
 from grading import verdict_files
 from grading.assignments import (
-    Parser, ToolError, cannot_write, choose, choose_format, is_archive, is_misnamed_c, read_features,
-    read_points,
+    Parser, ToolError, cannot_write, choose, choose_format, is_archive, is_machines_fault,
+    is_misnamed_c, read_features, read_points,
 )
 from grading.class_table import Table
 from grade import check_seed, processors, stop_on_signals
@@ -82,12 +82,12 @@ def _check_is_a_class(folder, found, features):
 def _chosen(found, only):
     """Returns the submissions whose names fit one of the patterns in ONLY."""
     patterns = only.split()
-    chosen = {name: path for name, path in found.items()
-              if not patterns or any(fnmatch.fnmatchcase(results.name_of(name), pattern) for pattern in patterns)}
+    shown = {name: results.name_of(name) for name in found}
     for pattern in patterns:
-        if not fnmatch.filter(map(results.name_of, found), pattern):
+        if not fnmatch.filter(shown.values(), pattern):
             raise ToolError(f"ONLY={pattern}: there is no such submission")
-    return chosen
+    return {name: path for name, path in found.items()
+            if not patterns or any(fnmatch.fnmatchcase(shown[name], pattern) for pattern in patterns)}
 
 
 def _check_out(out, submissions):
@@ -108,7 +108,8 @@ def _engine(arguments, sandboxed):
         raise ToolError(f"JOBS={text}: give how many submissions are graded at once, from 1 on")
     if not sandboxed:  # who changed the kit shows only between two
         if int(text or 1) > 1 or hosts:
-            raise ToolError("without a sandbox, submissions are graded one after the other: leave out JOBS and HOSTS")
+            raise ToolError("without a sandbox, submissions are graded one after the other: leave out JOBS "
+                            "and HOSTS")
         return None
     if not text and not hosts and not class_jobs.find_parallel():
         print("grade-class: one after the other, as GNU parallel is not installed (Debian: apt-get install "
@@ -252,24 +253,25 @@ def grade_class(arguments):
     if toolchain.remark:
         print(f"grade-class: {toolchain.remark}", flush=True)
     engine = _engine(arguments, bool(toolchain.sandbox))
+    again = arguments.again or not toolchain.sandbox  # without one, what was found before may be wrong
     watch = None if toolchain.sandbox else integrity.Watch(toolchain, submissions, out)
     job = _Class(stems, found, out, engine, watch)
     if strays:
         print("grade-class: no submissions, so ignored: " + ", ".join(map(results.name_of, strays)))
     with private_copy.borrowed(None, toolchain, all_features, stems, out if arguments.hosts else None) as kit:
         toolchain.kit_copy = kit
-        numbers = _known(job, Grader(toolchain, stems, out, arguments.format, arguments.again))
+        numbers = _known(job, Grader(toolchain, stems, out, arguments.format, again))
         listed = _list_of(found, kit)
         left = _work(job, numbers, lambda count: class_jobs.command_of(
-            arguments.build, stems, out, arguments.format, kit, listed, count, arguments.again))
+            arguments.build, stems, out, arguments.format, kit, listed, count, again))
     job.summarize()
     most = sum(test.points for feature in features for test in read_points(feature))
     print(f"grade-class: {job.done} of {len(found)} graded, of {most} points each; wrote {job.table.path}")
     if job.faults:
         reason = next(iter(job.faults.values()))
         others = f", and {len(left)} were not begun" if left else ""
-        print(f"grade-class: this machine failed: {reason}{others}; mend that, and give the same command again: "
-              "what is there stays", file=sys.stderr)
+        print(f"grade-class: this machine failed: {reason}{others}; mend that, and give the same command "
+              "again: what is there stays", file=sys.stderr)
         return ELSEWHERE
     return 0 if job.done == len(found) else 1
 
@@ -277,17 +279,20 @@ def grade_class(arguments):
 def main():
     parser = Parser(
         description=__doc__.split("\n\n")[0],
-        epilog="Exit status: 0 all were graded, whatever their points; 1 some could not be, or their points may be "
-        f"wrong; 2 it could not begin; {ELSEWHERE} this machine failed some: give the command again.",
+        epilog="Exit status: 0 all were graded, whatever their points; 1 some could not be, or their points "
+        f"may be wrong; 2 it could not begin; {ELSEWHERE} this machine failed some: give the command again.",
     )
     add = parser.add_argument
     add("stems", nargs="*", metavar="STEM", help="features; default: all")
     add("--submissions", required=True, metavar="DIR", help="a folder or C file for each student")
     add("--out", required=True, metavar="DIR", help="where the results go")
     add("--build", default=".", metavar="DIR", help="where raykit was built (default: here)")
-    add("--format", metavar="FORMAT", default="gradescope", help=f"of the reports: {', '.join(sorted(ENDINGS))}")
-    add("--jobs", metavar="N", help="so many submissions at once, with GNU parallel; default: one for each processor")
-    add("--hosts", metavar="NAMES", help="machines for ssh that have the same folders at the same paths; : is this one")
+    add("--format", metavar="FORMAT", default="gradescope",
+        help=f"of the reports: {', '.join(sorted(ENDINGS))}")
+    add("--jobs", metavar="N",
+        help="so many submissions at once, with GNU parallel; default: one for each processor")
+    add("--hosts", metavar="NAMES",
+        help="machines for ssh that have the same folders at the same paths; : is this one")
     add("--only", metavar="NAMES", help="only submissions of these names, such as 'ann b*'")
     add("--again", action="store_true", help="also what has not changed")
     arguments = parser.parse_args()
@@ -296,12 +301,11 @@ def main():
     try:
         choose_format(arguments.format, ENDINGS)
         return grade_class(arguments)
-    except ToolError as error:
-        print(f"grade-class: {error}", file=sys.stderr)
-        return 2
-    except OSError as error:
-        print(f"grade-class: {error.filename or 'the system'}: {error.strerror}", file=sys.stderr)
-        return 2
+    except (ToolError, OSError) as error:
+        said = str(error) if isinstance(error, ToolError) else (
+            f"{error.filename or 'the system'}: {error.strerror or error}")
+        print(f"grade-class: {said}", file=sys.stderr)
+        return ELSEWHERE if is_machines_fault(error) else 2
     except KeyboardInterrupt:
         print("grade-class: stopped; what is finished is in the results, and the same command goes on",
               file=sys.stderr)

@@ -19,8 +19,8 @@ from grading import results
 from grading import sandbox
 from grading import verdict_files
 from grading.assignments import (
-    MachineError, Parser, ToolError, Unit, choose, choose_format, is_archive, is_machines_fault, is_misnamed_c,
-    read_features, read_points,
+    MachineError, Parser, ToolError, Unit, choose, choose_format, is_archive, is_machines_fault,
+    is_misnamed_c, read_features, read_points,
 )
 from grading.c_source import tokens_of
 from grading.starters import is_handed_out
@@ -172,8 +172,8 @@ def _arguments():
         description=__doc__.split("\n\n")[0],
         epilog=f"Exit status: 0 graded, whatever the points; {UNGRADABLE} it cannot be graded until somebody "
         "does what its report says; 2 the command is wrong; "
-        f"{ELSEWHERE} this machine is to blame (a full disk, no memory, no sandbox), nothing was written: try again, "
-        "or elsewhere.",
+        f"{ELSEWHERE} this machine is to blame (a full disk, no memory, no sandbox), nothing was written: "
+        "try again, or elsewhere.",
     )
     parser.add_argument("stems", nargs="*", metavar="STEM", help="features; default: all")
     add = parser.add_argument
@@ -181,7 +181,8 @@ def _arguments():
     add("--name", metavar="NAME", help="in the results; default: the file's or folder's")
     add("--out", required=True, metavar="DIR", help="where the results go")
     add("--build", default=".", metavar="DIR", help="where raykit was built (default: here)")
-    add("--format", metavar="FORMAT", default="gradescope", help=f"of the report: {', '.join(sorted(ENDINGS))}")
+    add("--format", metavar="FORMAT", default="gradescope",
+        help=f"of the report: {', '.join(sorted(ENDINGS))}")
     add("--again", action="store_true", help="also what has not changed")
     add("--jobs", type=int, metavar="N", help="so many processors at most; default: all")
     add("--kit", metavar="DIR", help="a copy of the kit that make grade-class made")
@@ -194,7 +195,8 @@ def _grade(arguments):
     check_seed()
     choose_format(arguments.format, ENDINGS)
     toolchain = build.Toolchain(arguments.build)
-    choose(read_features(toolchain.source), arguments.stems)
+    features = read_features(toolchain.source)
+    choose(features, arguments.stems)
     toolchain.sandbox, toolchain.remark = bubblewrap.find(toolchain)
     toolchain.judges, toolchain.workers = True, arguments.jobs
     if arguments.list:
@@ -207,7 +209,7 @@ def _grade(arguments):
     else:
         raise ToolError("say which: --submission PATH")
     os.makedirs(arguments.out, exist_ok=True)
-    with private_copy.borrowed(arguments.kit, toolchain, read_features(toolchain.source), arguments.stems) as kit:
+    with private_copy.borrowed(arguments.kit, toolchain, features, arguments.stems) as kit:
         toolchain.kit_copy = kit
         grader = Grader(toolchain, arguments.stems, arguments.out, arguments.format, arguments.again)
         found, ran = grader.grade(path, name)

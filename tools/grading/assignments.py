@@ -41,8 +41,8 @@ class MachineError(ToolError):
     """A fault of this machine, which says nothing about a submission: it may do later, or elsewhere."""
 
 
-_MACHINES_FAULTS = {errno.ENOSPC, errno.EDQUOT, errno.ENOMEM, errno.EMFILE, errno.ENFILE, errno.EAGAIN, errno.EIO,
-                    errno.EROFS, errno.ESTALE, errno.ENODEV}
+_MACHINES_FAULTS = {errno.ENOSPC, errno.EDQUOT, errno.ENOMEM, errno.EMFILE, errno.ENFILE, errno.EAGAIN,
+                    errno.EIO, errno.EROFS, errno.ESTALE, errno.ENODEV}
 
 
 def is_machines_fault(error):
@@ -330,8 +330,8 @@ def _place_below(feature, impl):
     files = _files_below(impl)
     places = [path for path in files if os.path.basename(path) == name]
     if not places and any(os.path.basename(path) == _TOO_DEEP for path in files):
-        raise UngradableError(f"there is no {name} in the first {_DEEPEST} folders within folders; move it to "
-                              "the top of the folder")
+        raise UngradableError(f"there is no {name} in the first {_DEEPEST} folders within folders; move it "
+                              "to the top of the folder")
     if not places:  # a browser numbers what was downloaded or handed in again
         again = re.compile(rf"{feature.stem}(-[0-9]+| ?\([0-9]+\))\.c")
         places = [path for path in files if again.fullmatch(os.path.basename(path))]

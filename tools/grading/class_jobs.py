@@ -20,8 +20,8 @@ _TOOLS = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 def find_parallel():
     """Returns the path of GNU parallel, or "": moreutils has another program of this name."""
     path = shutil.which("parallel")
-    said = path and subprocess.run([path, "--version"], stdin=subprocess.DEVNULL, capture_output=True, text=True,
-                                   errors="replace", check=False).stdout
+    said = path and subprocess.run([path, "--version"], stdin=subprocess.DEVNULL, capture_output=True,
+                                   text=True, errors="replace", check=False).stdout
     return path if said and said.startswith("GNU parallel") else ""
 
 
@@ -71,8 +71,8 @@ class Engine:
     def __init__(self, jobs, hosts):
         self._program, self.jobs, self._hosts = find_parallel(), jobs, hosts
         if not self._program:
-            raise ToolError("JOBS and HOSTS need GNU parallel (Debian: apt-get install parallel); without it, "
-                            "say JOBS=1")
+            raise ToolError("JOBS and HOSTS need GNU parallel (Debian: apt-get install parallel); without "
+                            "it, say JOBS=1")
 
     def run(self, command, numbers):
         """Yields an Ended for each number, as they end."""
@@ -83,8 +83,8 @@ class Engine:
                 names = [name for name in os.environ if name.startswith("RAYKIT_")]
                 hosts += [option for name in names for option in ("--env", name)]
             process = subprocess.Popen(
-                [self._program, "--will-cite", "--plain", "--jobs", str(self.jobs), "--joblog", log, "--quote",
-                 "--retries", str(_TRIES), "--halt", f"soon,fail={_FAULTS}", *hosts,
+                [self._program, "--will-cite", "--plain", "--quote", "--jobs", str(self.jobs),
+                 "--joblog", log, "--retries", str(_TRIES), "--halt", f"soon,fail={_FAULTS}", *hosts,
                  *command, "--number", "{}"],
                 stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, errors="replace",
                 env=dict(os.environ, PARALLEL_HOME=folder), start_new_session=True,
@@ -136,6 +136,7 @@ def _stop(process):
 
 def command_of(build, stems, out, format_name, kit, listed, processors, again):
     """Returns the command that grades one submission of the list, but for its number."""
-    return [sys.executable, "-B", "-S", os.path.join(_TOOLS, "launch.py"), os.path.join(_TOOLS, "grade_one.py"),
-            *stems, "--build", os.path.abspath(build), "--out", os.path.abspath(out), "--format", format_name,
-            "--kit", kit, "--list", listed, "--jobs", str(processors), *(["--again"] if again else [])]
+    launch, tool = (os.path.join(_TOOLS, name) for name in ("launch.py", "grade_one.py"))
+    return [sys.executable, "-B", "-S", launch, tool, *stems, "--build", os.path.abspath(build),
+            "--out", os.path.abspath(out), "--format", format_name, "--kit", kit, "--list", listed,
+            "--jobs", str(processors), *(["--again"] if again else [])]

@@ -24,8 +24,9 @@ def _first(found):
     part = next((part for part in graded if not part["passed"]), None)
     if not part:
         return "", ""
-    is_same = all(other["reason"] == part["reason"] for other in graded)
-    return part["first"], part["reason"] if part["first"] or is_same else f"{part['assignment']}: {part['reason']}"
+    if part["first"] or all(other["reason"] == part["reason"] for other in graded):
+        return part["first"], part["reason"]
+    return "", f"{part['assignment']}: {part['reason']}"
 
 
 def _not_graded(found):

@@ -413,8 +413,9 @@ def _watch(process, partners, outcome, kept, times, memory_bytes, output_bytes, 
                 outcome.limit = "seconds"
                 _ask_where(process, kept, is_enclosed)
             elif now - began > _STARVED * seconds:
-                raise MachineError(f"the machine is too busy: what worked {_worked(process.pid, 0):.1f} s did "
-                                   f"not end in {now - began:.0f} s; grade again when less else runs")
+                raise MachineError(
+                    f"the machine is too busy: what worked {_worked(process.pid, 0):.1f} s did not end in "
+                    f"{now - began:.0f} s; grade again when less else runs")
             if outcome.limit:
                 return
 

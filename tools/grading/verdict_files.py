@@ -1,6 +1,6 @@
-"""What grading has found out: a file for each assignment and submission, RESULTS/verdicts/STEM/NAME.json, with
-the key of all that it depends on. What has its key already is not graded again; files that several machines
-wrote are one class."""
+"""What grading has found out: a file for each assignment and submission, RESULTS/verdicts/STEM/NAME.json,
+with the key of all that it depends on. What has its key already is not graded again; files that several
+machines wrote are one class."""
 
 import hashlib
 import json
@@ -30,12 +30,13 @@ def path_of(out, stem, name):
 
 
 def kit_digest(toolchain, features, folder, seconds):
-    """Returns the Digest of what all verdicts depend on: the kit's copy in this folder, the grader, the compiler,
-    and how units are run."""
+    """Returns the Digest of what all verdicts depend on: the kit's copy in this folder, the grader, the
+    compiler, and how units are run."""
     digest = verdict_store.Digest()
     tools = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
     copied = private_copy.kit_in(folder, toolchain)
-    of_suites = {os.path.join(copied.source, "tests", name) for name in private_copy.sources_of_suites(features)}
+    of_suites = {os.path.join(copied.source, "tests", name)
+                 for name in private_copy.sources_of_suites(features)}
     of_suites |= {os.path.join(copied.build, name) for stem in features
                   for name in [f"tests/test_{stem}.o", *judged.files(stem)]}
     for top in (copied.source, copied.build, tools):
