@@ -232,7 +232,8 @@ def main():
             print(f"grade-one: {getattr(error, 'filename', '') or 'the system'}: {error}", file=sys.stderr)
             return 2
         if arguments.list:
-            print(json.dumps({"number": arguments.number, "fault": str(error) or "no memory"}), flush=True)
+            print(json.dumps({"number": arguments.number, "fault": str(error)[:500] or "no memory"}),
+                  flush=True)
         else:
             print(f"grade-one: {error or 'no memory'}", file=sys.stderr)
         return ELSEWHERE

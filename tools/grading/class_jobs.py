@@ -10,7 +10,7 @@ import sys
 import tempfile
 
 from grading import sandbox
-from grading.assignments import ToolError
+from grading.assignments import MachineError, ToolError
 
 _TRIES = 3  # a worker that was killed, or whose machine fails, is replaced so often
 _FAULTS = 3  # after so many submissions that fail all the same, it is no single one's fault
@@ -75,7 +75,8 @@ class Engine:
                             "it, say JOBS=1")
 
     def run(self, command, numbers):
-        """Yields an Ended for each number, as they end."""
+        """Yields an Ended for each number, as they end. Workers print one short line each, which arrives
+        whole; grouped, their output would need space on a disk that may be full."""
         with tempfile.TemporaryDirectory(prefix="raykit-jobs-") as folder:
             log, reasons = os.path.join(folder, "log"), {}
             hosts = ["--sshlogin", ",".join(self._hosts), "--workdir", os.getcwd()] if self._hosts else []
@@ -83,7 +84,7 @@ class Engine:
                 names = [name for name in os.environ if name.startswith("RAYKIT_")]
                 hosts += [option for name in names for option in ("--env", name)]
             process = subprocess.Popen(
-                [self._program, "--will-cite", "--plain", "--quote", "--jobs", str(self.jobs),
+                [self._program, "--will-cite", "--plain", "--quote", "--ungroup", "--jobs", str(self.jobs),
                  "--joblog", log, "--retries", str(_TRIES), "--halt", f"soon,fail={_FAULTS}", *hosts,
                  *command, "--number", "{}"],
                 stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, errors="replace",
@@ -99,7 +100,8 @@ class Engine:
                     elif said:
                         reasons.pop(said["number"], None)
                         yield Ended(said["number"], said, 0)
-                process.wait()
+                if process.wait() == 255:
+                    raise MachineError("GNU parallel failed; its reason is above")
                 yield from self._failed(log, numbers, reasons)
             except BaseException:
                 _stop(process)
