@@ -771,6 +771,11 @@ def what_does_not_build_is_brief(folder):
               and part[:20] in tests[0]["output"]
               and {test["output"] for test in tests[1:]} == {"no verdict"},
               f"Gradescope has an entry of its own for why nothing ran ({name})", tests[:2])
+        with mock.patch.dict(os.environ, RAYKIT_VISIBILITY="hidden"):
+            report = json.loads(results.gradescope(suites, name))
+        check("step 1" in tests[2]["tags"] + tests[3]["tags"] and report["visibility"] == "hidden"
+              and report["extra_data"]["assignments"] == {"bvh_median": 0},
+              f"its report has steps as tags, and what VISIBILITY says ({name})", report)
 
 
 def a_students_report_names_no_folder_of_the_grader(folder):

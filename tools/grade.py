@@ -686,6 +686,7 @@ def main():
     try:
         choose_format(arguments.format, results.FORMATS)
         check_seed()
+        results.check_visibility()
         results.check_place(arguments.out)
         if arguments.own:
             require_units(arguments.build, arguments.stems, arguments.impl)

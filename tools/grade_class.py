@@ -239,6 +239,7 @@ def grade_class(arguments):
     """Grades all; returns the exit status."""
     submissions, out = arguments.submissions, arguments.out
     check_seed()
+    results.check_visibility()
     toolchain = build.Toolchain(arguments.build)
     all_features = read_features(toolchain.source)
     features = choose(all_features, arguments.stems)

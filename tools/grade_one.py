@@ -193,6 +193,7 @@ def _arguments():
 
 def _grade(arguments):
     check_seed()
+    results.check_visibility()
     choose_format(arguments.format, ENDINGS)
     toolchain = build.Toolchain(arguments.build)
     features = read_features(toolchain.source)

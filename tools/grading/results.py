@@ -12,6 +12,7 @@ import sys
 import tempfile
 import textwrap
 
+from grading import sandbox
 from grading.assignments import DEDUCTION, ToolError, cannot_write
 from grading.build import without_what_is_shown
 from grading.starters import is_handed_out
@@ -369,6 +370,19 @@ def junit(suites, impl):
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
 
 
+_VISIBILITIES = "hidden", "after_due_date", "after_published", "visible"
+
+
+def _visibility():
+    """Returns what VISIBILITY says: when students see Gradescope's report."""
+    return os.environ.get("RAYKIT_VISIBILITY", "")
+
+
+def check_visibility():
+    if _visibility() not in ("", *_VISIBILITIES):
+        raise ToolError(f"VISIBILITY={_visibility()}: choose one of {', '.join(_VISIBILITIES)}")
+
+
 @_report
 def gradescope(suites, impl):
     """Gradescope's results.json (its manual, "Autograder Specifications")."""
@@ -386,7 +400,8 @@ def gradescope(suites, impl):
             tests.append({
                 "name": f"{suite.feature.stem}: {test.name}",
                 "number": f"{first}.{second}",
-                "tags": [suite.feature.stem],
+                # Instructors filter by tags.
+                "tags": [suite.feature.stem, *([f"step {test.step}"] if test.step else [])],
                 "score": scores[test.name],
                 "max_score": test.points,
                 "status": "passed" if verdict.passed else "failed",
@@ -401,6 +416,11 @@ def gradescope(suites, impl):
         "output_format": "text",
         # The harness's output is for instructors; students read the tests' outputs.
         "stdout_visibility": "hidden",
+        **({"visibility": _visibility()} if _visibility() else {}),
+        "extra_data": {"assignments": {suite.feature.stem: suite.points() for suite in suites},
+                       "not_graded": {suite.feature.stem: suite.not_graded for suite in suites
+                                      if suite.not_graded},
+                       "seed": sandbox.seed()},
         "tests": tests,
     }
     return json.dumps(report, indent=1) + "\n"
