@@ -811,8 +811,11 @@ def hanging_does_not_last(toolchain, folder):
           "after two claims that hang the others get less time",
           results.text([suite], ""))
     text = results.text([suite], "")
-    check(text.count("short limit") == 1 and "..." not in text,
+    check(text.count("short limit") == 2 and "..." not in text,
           "what fails for the same reason is told together", text)
+    after_six = [v for v in short if "as 6 tests before it did not end" in v.reason]
+    check(len(after_six) > 10 and all("within 0.125 s" in v.reason for v in after_six),
+          "a loop that all claims run into costs little", text)
 
 
 def who_hangs_loses_nothing_twice(folder):

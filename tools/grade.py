@@ -43,6 +43,7 @@ MEGABYTES = 2048  # the suites stay below 300 with the sanitizers
 REASON_MAX = 500  # characters; a unit can write a reason of its own
 SOON = 3  # seconds; with a record, what takes longer is run again after all others
 TIMEOUTS = 2  # so many tests of a suite may take all their time; the others then get a part of it
+LOOPS = 6  # after so many that did not end, the others get less again: a loop that all tests run into
 IN_ALL = 18  # times the seconds of one test, which all tests of a suite may take; the others get a part, too
 DECOYS = 8  # so many passed claims of a suite run again with an end that cannot hold
 
@@ -128,6 +129,10 @@ class Suite:
             return SOON / 5 if is_late else SOON
         return 5 * usual + (0.2 if is_late else 1)
 
+    def hung(self):
+        """Returns how many tests did not end, so far."""
+        return sum(verdict.timed_out and not verdict.is_open for verdict in list(self.verdicts.values()))
+
     def limit_of_next_test(self, seconds):
         """Returns the limit for the next test, and a phrase for it: short after two that took all of
         theirs, but three times as long as those that passed, and after many that were slow."""
@@ -135,13 +140,16 @@ class Suite:
         if sum(verdict.worked for verdict in verdicts) > IN_ALL * seconds:
             return seconds / 10, (f"{seconds / 10:.3g} s (a short limit, as the tests before it took more "
                                   f"than {IN_ALL * seconds:.3g} s together)")
-        if sum(verdict.timed_out and not verdict.is_open for verdict in verdicts) < TIMEOUTS:
+        hung = self.hung()
+        if hung < TIMEOUTS:
             return seconds, f"{seconds:g} seconds"
         slowest = max((verdict.seconds for verdict in verdicts if verdict.passed), default=0)
         # At home the others are only waited for so long that the student sees which hold.
         longest = seconds / 5 if self.is_own else seconds
-        short = min(longest, max(seconds / 10, 3 * slowest))
-        return short, f"{short:.3g} s (a short limit, as {TIMEOUTS} tests before it took all of theirs)"
+        short = min(longest, max(seconds / (10 if hung < LOOPS else 40), 3 * slowest))
+        many = f"{TIMEOUTS} tests before it took all of theirs" if hung < LOOPS else (
+            f"{LOOPS} tests before it did not end")
+        return short, f"{short:.3g} s (a short limit, as {many})"
 
 
 def seconds_per_test():
@@ -260,6 +268,7 @@ def _options(toolchain, suite, limit, megabytes, options=""):
 def _run(toolchain, suite, name, limit, megabytes, decoy=False):
     """Runs one claim: with the unit in a process of its own where that can be."""
     options, secret = _options(toolchain, suite, limit, megabytes), make_secret(decoy)
+    options["asks_where"] = suite.hung() < LOOPS  # six places are enough
     if _is_apart(suite, name):
         return judged.run(toolchain, suite.feature.stem, name, suite.unit_program, secret, **options)
     return sandbox.run(["test_" + suite.feature.stem, "--only", name], program=suite.program, secret=secret,

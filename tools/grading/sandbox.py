@@ -268,13 +268,14 @@ def _limited(command, seconds):
 
 def run(command, *, seconds, megabytes, folder, environment, output_bytes=16 << 20, program=None,
         secret=b"", enclose=None, system_calls=b"", descriptors=(), when_begun=None,
-        is_needless=lambda: False, partners=()):
+        is_needless=lambda: False, partners=(), asks_where=True):
     """Runs the command in `folder` and returns its Outcome. A Program as `program` is run instead; if there
     is a secret, in RAYKIT_ATTEST it gets a descriptor from which it reads that, and outcome.attested tells
     whether it came back; outcome.testimony is what else came. `enclose` puts a command into bubblewrap.
     `when_begun` is called when the program has its descriptors; it ends when it `is_needless`. It may work no
     longer than its seconds, and sleep no longer while its `partners`, the processes that it works with, do
-    nothing either; they may work some times as long. Raises MachineError where this machine is to blame."""
+    nothing either; they may work some times as long. If it `asks_where`, a program at its limit prints where it is, which takes a
+    second. Raises MachineError where this machine is to blame."""
     outcome, kept = Outcome(), _Tail()
     descriptors, options = tuple(descriptors), {}
     status = os.pipe() if enclose else ()
@@ -319,8 +320,9 @@ def run(command, *, seconds, megabytes, folder, environment, output_bytes=16 << 
         if enclose and system_calls:
             os.close(listed)
     try:
-        _watch(process, partners, outcome, kept, (began, seconds), megabytes << 20, output_bytes,
-               bool(enclose), is_needless)
+        _watch(process, partners, outcome, kept, (began, seconds), megabytes << 20, output_bytes, is_needless)
+        if outcome.limit == "seconds" and asks_where:
+            _ask_where(process, kept, bool(enclose))
     finally:
         _kill(process.pid)
         outcome.status = process.wait()
@@ -376,7 +378,7 @@ def _drain(pipe, kept):
         pass
 
 
-def _watch(process, partners, outcome, kept, times, memory_bytes, output_bytes, is_enclosed, is_needless):
+def _watch(process, partners, outcome, kept, times, memory_bytes, output_bytes, is_needless):
     """Reads until the program ends or is ended, with the reason in outcome.limit."""
     began, seconds = times
     idle, next_look = Idleness(), time.monotonic() + _LOOK
@@ -411,7 +413,6 @@ def _watch(process, partners, outcome, kept, times, memory_bytes, output_bytes, 
                 outcome.limit = "processes"
             elif slept > seconds or now - began > seconds and _have_worked(process, partners, seconds):
                 outcome.limit = "seconds"
-                _ask_where(process, kept, is_enclosed)
             elif now - began > _STARVED * seconds:
                 raise MachineError(
                     f"the machine is too busy: what worked {_worked(process.pid, 0):.1f} s did not end in "
