@@ -272,10 +272,10 @@ def run(command, *, seconds, megabytes, folder, environment, output_bytes=16 << 
     """Runs the command in `folder` and returns its Outcome. A Program as `program` is run instead; if there
     is a secret, in RAYKIT_ATTEST it gets a descriptor from which it reads that, and outcome.attested tells
     whether it came back; outcome.testimony is what else came. `enclose` puts a command into bubblewrap.
-    `when_begun` is called when the program has its descriptors; it ends when it `is_needless`. It may work no
-    longer than its seconds, and sleep no longer while its `partners`, the processes that it works with, do
-    nothing either; they may work some times as long. If it `asks_where`, a program at its limit prints where it is, which takes a
-    second. Raises MachineError where this machine is to blame."""
+    `when_begun` is called when the program has its descriptors; it ends when it `is_needless`. It may work
+    no longer than its seconds, and sleep no longer while its `partners`, the processes that it works with,
+    do nothing either; they may work some times as long. If it `asks_where`, a program at its limit prints
+    where it is, which takes a second. Raises MachineError where this machine is to blame."""
     outcome, kept = Outcome(), _Tail()
     descriptors, options = tuple(descriptors), {}
     status = os.pipe() if enclose else ()
