@@ -309,7 +309,8 @@ def make_handout(source, stems, out="", folder="", book=True, later=""):
     """Makes the pack; returns lines that describe it."""
     features = read_features(source)
     if not stems:
-        raise ToolError(f"name the assignments: make handout ASSIGNMENTS=\"...\", of: {' '.join(features)}")
+        raise ToolError("name the assignments: make handout ASSIGNMENTS=\"...\", all, or of: "
+                        + " ".join(features))
     named = choose(features, stems)
     chosen = [feature for feature in features.values() if feature in named]  # in the course's order
     left_open = _later(features, chosen, later)
