@@ -27,6 +27,7 @@ from grading.assignments import (
     is_misnamed_c, read_features, read_points,
 )
 from grading.class_table import Table
+from grading.collect_write import TABLE
 from grade import check_seed, processors, stop_on_signals
 from grade_one import ELSEWHERE, ENDINGS, Grader, student_of, summary
 
@@ -47,6 +48,8 @@ def submissions_in(folder):
     found, strays = {}, []
     for entry in sorted(os.listdir(folder)):
         path, stem = os.path.join(folder, entry), entry.removesuffix(".c")
+        if entry == TABLE:
+            continue  # make collect's
         if entry.startswith("."):
             strays += [] if _LEFT_BEHIND.fullmatch(entry) else [entry]
             continue

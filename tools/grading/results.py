@@ -441,7 +441,7 @@ def text_of_cell(cell):
 FORMATS = {"text": text, "table": table, "tap": tap, "junit": junit, "gradescope": gradescope}
 
 
-def write_whole(path, content):
+def write_whole(path, content, encoding="utf-8"):
     """Puts a file in place when it is complete."""
     folder = os.path.dirname(path) or "."
     try:
@@ -449,7 +449,7 @@ def write_whole(path, content):
     except OSError as error:
         raise cannot_write(path, error) from error
     try:
-        with os.fdopen(descriptor, "w", encoding="utf-8") as file:
+        with os.fdopen(descriptor, "w", encoding=encoding) as file:
             file.write(content)
         mask = os.umask(0)
         os.umask(mask)
