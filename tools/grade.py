@@ -576,6 +576,7 @@ def grade_impl(build_folder, stems, impl, own=False, only=None, progress=None, k
     toolchain = build.Toolchain(build_folder)
     features = read_features(toolchain.source)
     suites = prepare_suites(features, choose(features, stems), impl, own, only)
+    suites[0].remarks += toolchain.left_out()
     _grade_here(toolchain, features, suites, impl, 0 if own or only else DECOYS, progress, kept)
     return toolchain, suites
 
@@ -630,6 +631,7 @@ def prepare_submission(toolchain, stems, impl, only=None):
     features = read_features(toolchain.source)
     suites = prepare_suites(features, choose(features, stems), impl, False, only)
     suites[0].remarks += ["graded " + toolchain.remark] if toolchain.remark else []
+    suites[0].remarks += ["graded " + remark for remark in toolchain.left_out()]
     suites[0].remarks += [f"random cases of SEED={sandbox.seed()}"] if sandbox.seed() else []
     return suites
 

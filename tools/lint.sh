@@ -16,7 +16,7 @@ ours() {
 shell_files() {
     ours -name '*.sh'
     for file in .ci/run bootstrap docs/make_book reports/make_report tests/fresh_debian tests/lean/check \
-        tests/stress/matrix tests/tap_driver tools/hooks/pre-push; do
+        tests/stress/matrix tests/tap_driver tools/autograder/run_autograder tools/hooks/pre-push; do
         [ ! -f "$file" ] || echo "$file" # packs lack some
     done
 }

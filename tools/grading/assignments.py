@@ -17,6 +17,8 @@ import shlex
 import subprocess
 import sys
 
+from grading import least_python  # noqa: F401
+
 
 class ToolError(Exception):
     """An error that the user can correct; the text is one sentence that says how."""

@@ -73,6 +73,11 @@ def find(toolchain):
     if wish in ("no", "container"):
         return None, f"without a sandbox (SANDBOX={wish}): the code had the grader's rights"
     program, reason = shutil.which("bwrap"), "bubblewrap is not installed"
+    compiler = shutil.which(toolchain.compiler[0]) or ""
+    if program and not os.path.realpath(compiler).startswith(tuple(path + "/" for path in _SYSTEM)):
+        raise ToolError(f"the sandbox has no compiler, as {compiler or toolchain.compiler[0]} stands outside "
+                        "of the system's folders: configure with one of /usr, or say SANDBOX=no to run graded"
+                        " code with your rights, as a user who has nothing to lose")
     if program:
         sandbox = Bubblewrap(toolchain, program)
         tried = subprocess.run(sandbox.around([*toolchain.compiler, "--version"]), stdin=subprocess.DEVNULL,

@@ -84,6 +84,12 @@ class Toolchain:
         """Whether units are built with the address sanitizer, and so with the leak sanitizer."""
         return any("address" in flag for flag in self.sanitize)
 
+    def left_out(self):
+        """Returns remarks on what a check here cannot find, and one elsewhere may."""
+        return [] if self.sanitize else [
+            "without sanitizers, which this compiler lacks: wrong memory accesses, undefined behaviour and "
+            "leaks were not looked for"]
+
     def built(self, path):
         """Returns the absolute path of a file in the build folder, which must exist."""
         path = os.path.join(self.build, path)

@@ -134,7 +134,7 @@ def printed_lines(output):
     """Returns the lines that the unit printed: those that are neither the suite's nor a sanitizer's."""
     before_reports = re.split(r"^=+\n==\d+==ERROR", output, maxsplit=1, flags=re.MULTILINE)[0]
     return [line for line in before_reports.split("\n")
-            if line.strip() and not re.match(r"1\.\.\d+$|ok \d+ - |not ok|# |==\d+==", line)]
+            if line.strip() and not re.match(r"TAP version \d+$|1\.\.\d+$|ok \d+ - |not ok|# |==\d+==", line)]
 
 
 def _failed_claim(outcome, name, suite_source):

@@ -168,11 +168,11 @@ end
 -- The reason why there is no such driver, or nil: a student's unit could not be built into it.
 function drive.unmade(element)
   if element.attributes.driver == "wrong" then
-    return draws_mistakes == "" and (python == "" and "this build found no Python 3." or
+    return draws_mistakes == "" and (python == "" and "this build found no Python 3.10 or later." or
       "this pack was made without its book, which would have them.") or nil
   end
   if is_bench(element) then
-    return python == "" and "this build found no Python 3." or
+    return python == "" and "this build found no Python 3.10 or later." or
       drive.units ~= "" and "make bench measures the kit's own units." or nil
   end
   local file = io.open(driver_path(element) .. ".unmade")
