@@ -89,7 +89,8 @@ def what_is_too_old_or_another_program(work):
                       "leaks can go unnoticed in checks and grades",
         "sandbox": "MISSING: nothing of others is graded, unless you say SANDBOX=no: bubblewrap starts no "
                    "sandbox here (setting up uid map: Permission denied); docs/machines.md says what to do",
-        "GNU parallel": f"MISSING: classes are graded one submission after the other: {programs}/parallel is another "
+        "GNU parallel": f"MISSING: classes are graded one submission after the other: {programs}/parallel is "
+                        "another "
                         "program, not GNU parallel (parallel)"}
     for name, words in wanted.items():
         check(row(rows, name) == words, f"{name}: what is lost and why has a row",
