@@ -204,7 +204,7 @@ def _grade(arguments):
         path, name = _job(arguments.list, arguments.number)
     elif arguments.submission:
         path = os.path.normpath(arguments.submission)
-        name = arguments.name or student_of(os.path.basename(path))
+        name = arguments.name or os.path.basename(path).removesuffix(".c")
         if not os.path.lexists(path):
             raise ToolError(f"there is no submission {path}")
     else:
