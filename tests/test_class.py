@@ -206,6 +206,21 @@ def tools_that_fail_on_a_full_disk(folder):
     check("is full" in said, "a compiler that fails on a full disk says nothing of the unit", said)
 
 
+def no_memory_is_nobodys_fault(folder):
+    """A program is killed from outside, while Linux counts one more that it has ended for want of memory."""
+    command = [sys.executable, "-c", "import os; os.kill(os.getpid(), 9)"]
+    for more in (0, 1):
+        count = sandbox._KILLED_BEFORE + more
+        with mock.patch.object(sandbox, "_killed_for_memory", lambda count=count: count):
+            try:
+                outcome = sandbox.run(command, seconds=60, megabytes=1000, folder=folder, environment={})
+                said = outcome.status
+            except MachineError as error:
+                said = str(error)
+        check("no memory left" in said if more else said == -signal.SIGKILL,
+              "who is ended for want of memory has no verdict" if more else "who ends itself has", said)
+
+
 def put_broken(folder):
     put("int x\n", folder, "broken", "normals.c")
     return os.path.join(folder, "broken", "normals.c")
@@ -255,8 +270,8 @@ def main():
             return 0
         for claim in (at_once_is_the_same, what_changes_is_graded_again, a_class_is_interrupted,
                       a_killed_worker_is_replaced, a_full_disk_is_nobodys_fault,
-                      tools_that_fail_on_a_full_disk, machines_apart_are_one_class,
-                      other_programs_of_that_name):
+                      tools_that_fail_on_a_full_disk, no_memory_is_nobodys_fault,
+                      machines_apart_are_one_class, other_programs_of_that_name):
             claim(folder)
     finally:
         sandbox.end_strays()
