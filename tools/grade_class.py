@@ -128,7 +128,7 @@ class _Class:
     def __init__(self, stems, found, out, engine, watch):
         self.found, self.out, self.engine, self.watch = found, out, engine, watch
         self.stems, self.table = stems, Table(os.path.join(out, "class.csv"), stems)
-        self.done, self.doubtful, self.faults = 0, 0, {}
+        self.done, self.faults = 0, {}
         self._names, self._namesakes = list(found), _namesakes(found)
         self._failed, self._judged, self._told = collections.Counter(), collections.Counter(), None
 
@@ -172,7 +172,7 @@ class _Class:
         self.watch.accept(self.out, written)
         for stem in self.stems:
             path = verdict_files.path_of(self.out, stem, name)
-            self.watch.accept(*os.path.split(path)[:1], [os.path.basename(path)])
+            self.watch.accept(os.path.dirname(path), [os.path.basename(path)])
         return self.watch.changed()
 
     def fail(self, number, fault):
