@@ -13,6 +13,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import tarfile
 import tempfile
 import time
 from unittest import mock
@@ -246,6 +247,21 @@ def machines_apart_are_one_class(folder):
     check(status == 2 and "there is no submission" in said, "so is a submission that is not there", said)
 
 
+def a_grading_kit_grades_anywhere(folder):
+    place, rows = expected(folder, 5)
+    kit, there, out = (os.path.join(folder, name) for name in ("kit.tar.gz", "else where", "of the kit"))
+    status, said = run(*tool("grading_kit", "--out", kit))
+    check(status == 0 and os.path.exists(kit), "a grading kit is packed", said)
+    with tarfile.open(kit) as archive:
+        archive.extractall(there)
+    top = os.path.join(there, "raykit-grading")
+    status, said = run(sys.executable, "-B", os.path.join(top, "tools", "grade_class.py"), "normals",
+                       "--build", os.path.join(top, "build"), "--submissions", place, "--out", out)
+    check(status == 1 and rows_of(out) == rows, "unpacked elsewhere, it gives the same table", said)
+    status, said = grade_class(place, out)
+    check(said.count("unchanged") == 5, "its verdicts have the keys of the build that it was made of", said)
+
+
 def other_programs_of_that_name(folder):
     place, _ = expected(folder, 5)
     put("#!/bin/sh\necho 'parallel: invalid option'\n", folder, "tools", "parallel")
@@ -271,7 +287,8 @@ def main():
         for claim in (at_once_is_the_same, what_changes_is_graded_again, a_class_is_interrupted,
                       a_killed_worker_is_replaced, a_full_disk_is_nobodys_fault,
                       tools_that_fail_on_a_full_disk, no_memory_is_nobodys_fault,
-                      machines_apart_are_one_class, other_programs_of_that_name):
+                      machines_apart_are_one_class, a_grading_kit_grades_anywhere,
+                      other_programs_of_that_name):
             claim(folder)
     finally:
         sandbox.end_strays()

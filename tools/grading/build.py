@@ -59,7 +59,8 @@ class Toolchain:
             raise ToolError(
                 f"{path} cannot be read ({error.strerror}); run make check-... or make grade there once"
             ) from error
-        self.build, self.source = os.path.abspath(build), values["source"]
+        self.build = os.path.abspath(build)
+        self.source = os.path.join(self.build, values["source"])  # relative in a grading kit
         self.handed_out = values["handed_out"].split()  # features without a reference, in a pack
         self.compiler = shlex.split(values["cc"])
         self.flags = ["-I" + os.path.join(self.source, "src"), *shlex.split(values["flags"]), "-Wno-error"]

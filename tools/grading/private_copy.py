@@ -53,7 +53,7 @@ def objects_of_suites(toolchain, stems):
     return [*(f"tests/test_{stem}.o" for stem in stems), *judges]
 
 
-def _files_of_kit(toolchain, features, stems):
+def files_of_kit(toolchain, features, stems):
     """Yields what the suites of these features need, and where it stands in a copy. The references' objects
     lie apart from the headers, which are all that a compiler sees of the kit."""
     of_suites = set(sources_of_suites(stems))
@@ -80,7 +80,7 @@ def kit_in(folder, toolchain):
 
 def copy_kit(toolchain, features, stems, folder):
     """Copies what the suites of these features need, and returns the toolchain of the copy."""
-    for path, place in _files_of_kit(toolchain, features, stems):
+    for path, place in files_of_kit(toolchain, features, stems):
         place = os.path.join(folder, place)
         os.makedirs(os.path.dirname(place), exist_ok=True)
         shutil.copy(path, place)
@@ -89,7 +89,7 @@ def copy_kit(toolchain, features, stems, folder):
 
 def update_kit(toolchain, features, stems, folder):
     """As copy_kit, but copies only where something has changed since the last call with this folder."""
-    state = repr([(path, os.stat(path).st_mtime_ns) for path, _ in _files_of_kit(toolchain, features, stems)])
+    state = repr([(path, os.stat(path).st_mtime_ns) for path, _ in files_of_kit(toolchain, features, stems)])
     record = os.path.join(folder, "state")
     if not os.path.exists(record) or open(record, encoding="utf-8").read() != state:
         for name in ("kit", "objects"):
