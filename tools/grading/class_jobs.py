@@ -88,7 +88,7 @@ class Engine:
                  "--joblog", log, "--retries", str(_TRIES), "--halt", f"soon,fail={_FAULTS}", *hosts,
                  *command, "--number", "{}"],
                 stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, errors="replace",
-                env=dict(os.environ, PARALLEL_HOME=folder), start_new_session=True,
+                env=dict(os.environ, PARALLEL_HOME=folder, PARALLEL_SHELL="/bin/sh"), start_new_session=True,
                 preexec_fn=lambda: sandbox.end_with_parent(signal.SIGTERM))
             try:
                 with process.stdin as pipe:
