@@ -119,7 +119,7 @@ def _engine(arguments, sandboxed):
               "parallel)", flush=True)
         return None
     jobs = int(text or processors())
-    return class_jobs.Engine(jobs, hosts) if jobs > 1 or hosts else None
+    return class_jobs.Engine(jobs, hosts, arguments.out) if jobs > 1 or hosts else None
 
 
 class _Class:

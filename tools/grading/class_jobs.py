@@ -66,10 +66,11 @@ def one_by_one(command, numbers, beginning):
 
 
 class Engine:
-    """GNU parallel with so many jobs for each machine; `hosts` are names for ssh, ":" is this one."""
+    """GNU parallel with so many jobs for each machine; `hosts` are names for ssh, ":" is this one. It needs a
+    little space, and ends without: it gets it in the folder of the results, `out`."""
 
-    def __init__(self, jobs, hosts):
-        self._program, self.jobs, self._hosts = find_parallel(), jobs, hosts
+    def __init__(self, jobs, hosts, out):
+        self._program, self.jobs, self._hosts, self._out = find_parallel(), jobs, hosts, out
         if not self._program:
             raise ToolError("JOBS and HOSTS need GNU parallel (Debian: apt-get install parallel); without "
                             "it, say JOBS=1")
@@ -77,16 +78,19 @@ class Engine:
     def run(self, command, numbers):
         """Yields an Ended for each number, as they end. Workers print one short line each, which arrives
         whole; grouped, their output would need space on a disk that may be full."""
-        with tempfile.TemporaryDirectory(prefix="raykit-jobs-") as folder:
+        with tempfile.TemporaryDirectory(prefix=".jobs-", dir=self._out) as folder:
             log, reasons = os.path.join(folder, "log"), {}
             hosts = ["--sshlogin", ",".join(self._hosts), "--workdir", os.getcwd()] if self._hosts else []
             if self._hosts:
                 names = [name for name in os.environ if name.startswith("RAYKIT_")]
                 hosts += [option for name in names for option in ("--env", name)]
+            # It takes its own temporary folder for the workers', too.
+            workers = [f"TMPDIR={os.environ['TMPDIR']}"] if "TMPDIR" in os.environ else ["-u", "TMPDIR"]
             process = subprocess.Popen(
                 [self._program, "--will-cite", "--plain", "--quote", "--ungroup", "--jobs", str(self.jobs),
-                 "--joblog", log, "--retries", str(_TRIES), "--halt", f"soon,fail={_FAULTS}", *hosts,
-                 *command, "--number", "{}"],
+                 "--tmpdir", folder, "--joblog", log, "--retries", str(_TRIES),
+                 "--halt", f"soon,fail={_FAULTS}", *hosts,
+                 "env", *workers, *command, "--number", "{}"],
                 stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, errors="replace",
                 env=dict(os.environ, PARALLEL_HOME=folder, PARALLEL_SHELL="/bin/sh"), start_new_session=True,
                 preexec_fn=lambda: sandbox.end_with_parent(signal.SIGTERM))
@@ -101,7 +105,8 @@ class Engine:
                         reasons.pop(said["number"], None)
                         yield Ended(said["number"], said, 0)
                 if process.wait() == 255:
-                    raise MachineError("GNU parallel failed; its reason is above")
+                    raise MachineError("GNU parallel failed, its reason is above; mend that, and give the "
+                                       "same command again: what is there stays")
                 yield from self._failed(log, numbers, reasons)
             except BaseException:
                 _stop(process)
