@@ -105,7 +105,7 @@ def what_changes_is_graded_again(folder):
         return status == 0 and [name for name in ("ann", "bob")
                                 if not re.search(rf"{name} .*unchanged", said) and f"  {name} " in said]
 
-    check(again() == [], "who has not changed is not graded again")
+    check(again() == [], "submissions that have not changed are not graded again")
     put("#error \"no\"\n", place, "ann", "own.h")
     check(again() == ["ann"] and rows_of(out)["ann"][1] == "0", "who changed a header of their own is",
           rows_of(out))
@@ -244,6 +244,14 @@ def machines_apart_are_one_class(folder):
     check(status == 0 and rows_of(table) == rows, "verdicts of several machines are one table", said)
     status, said = run(*tool("class_table", "--folders", folder, "--out", table))
     check(status == 2 and "no verdict files" in said, "a folder without verdicts is told", said)
+    put("#!/bin/sh\nexit 1\n", folder, "no sandbox", "bwrap")
+    os.chmod(os.path.join(folder, "no sandbox", "bwrap"), 0o755)
+    with mock.patch.dict(os.environ, PATH=os.path.join(folder, "no sandbox") + ":" + os.environ["PATH"]):
+        status, said = run(*tool("grade_one", "--submission", os.path.join(place, "98"),
+                                 "--out", os.path.join(folder, "nothing")))
+    check(status == 75 and "there is no sandbox" in said
+          and not os.path.exists(os.path.join(folder, "nothing")),
+          "a machine without a sandbox writes nothing, and has another one try", f"{status}: {said}")
     status, said = run(*tool("grade_one", "--submission", os.path.join(place, "nobody"), "--out", outs[0]))
     check(status == 2 and "there is no submission" in said, "so is a submission that is not there", said)
 

@@ -20,7 +20,7 @@ import os
 import sys
 import tempfile
 
-from grading.assignments import Parser, ToolError, choose, read_features
+from grading.assignments import Parser, ToolError, choose, read_features, run_command
 from grading.collect_archives import Download
 from grading.collect_items import Items, wanted
 from grading.collect_names import UnitNames
@@ -107,19 +107,9 @@ def main():
                         help="late that are taken; default: any number")
     arguments = parser.parse_args()
     sys.stdout.reconfigure(errors="backslashreplace")  # names of files can be any bytes
-    try:
-        deadline = Deadline(arguments.due, arguments.grace, arguments.until)
-        return 1 if collect(arguments.source, arguments.stems, arguments.download, arguments.out,
-                            arguments.roster, deadline) else 0
-    except ToolError as error:
-        print(f"collect: {error}", file=sys.stderr)
-        return 2
-    except OSError as error:
-        print(f"collect: {error.filename or 'the system'}: {error.strerror}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print("collect: stopped; nothing was written", file=sys.stderr)
-        return 130
+    return run_command("collect", lambda: 0 < collect(
+        arguments.source, arguments.stems, arguments.download, arguments.out, arguments.roster,
+        Deadline(arguments.due, arguments.grace, arguments.until)), 2, "; nothing was written")
 
 
 if __name__ == "__main__":

@@ -7,17 +7,18 @@ the columns that say who, and those of the assignments, found by their names; CO
 all. FORMAT=moodle fills the Grade column of the offline grading worksheet with the sum, or, without a
 TEMPLATE, writes what Grades, Import, CSV file takes.
 
-What was not graded is left as the TEMPLATE has it, empty without one: it is not 0. So is who has handed in
-nothing, unless MISSING=0. PENALTY=10 takes 10 percent of an assignment's points for each day late; the rest
-is rounded to whole points, a half up. In FORMAT=csv, an apostrophe stands before what a spreadsheet would
-take for a formula; the other forms have names as the TEMPLATE has them.
+Points that nobody knows are left as the TEMPLATE has them, empty without one: they are not 0. So are those of
+students who handed in nothing, unless MISSING=0. PENALTY=10 takes 10 percent of an assignment's points for
+each day late; the rest is rounded to whole points, a half up. In FORMAT=csv, an apostrophe stands before what
+a spreadsheet would take for a formula; the other forms have names as the TEMPLATE has them.
 """
 
 import argparse
 import os
 import sys
 
-from grading.assignments import Parser, ToolError, choose, choose_format, read_features, read_points
+from grading.assignments import (Parser, ToolError, choose, choose_format, read_features, read_points,
+                                 run_command)
 from grading.book_forms import FORMS, Book
 from grading.book_points import Results, grades_of, penalty_of
 from grading.results import check_place, printable, write_whole
@@ -96,17 +97,7 @@ def main():
     parser.add_argument("--missing", default="", metavar="0", help="who handed in nothing gets 0")
     options = parser.parse_args()
     sys.stdout.reconfigure(errors="backslashreplace")
-    try:
-        return 1 if grade_book(options) else 0
-    except ToolError as error:
-        print(f"grade-book: {error}", file=sys.stderr)
-        return 2
-    except OSError as error:
-        print(f"grade-book: {error.filename or 'the system'}: {error.strerror}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print("grade-book: stopped; nothing was written", file=sys.stderr)
-        return 130
+    return run_command("grade-book", lambda: 0 < grade_book(options), 2, "; nothing was written")
 
 
 if __name__ == "__main__":

@@ -23,7 +23,7 @@ from grading import results
 from grading import sandbox
 from grading import verdict_files
 from grading.assignments import (
-    Parser, ToolError, cannot_write, choose, choose_format, is_archive, is_machines_fault,
+    MachineError, Parser, ToolError, cannot_write, choose, choose_format, is_archive, is_machines_fault,
     is_misnamed_c, read_features, read_points,
 )
 from grading.class_table import Table
@@ -252,7 +252,10 @@ def grade_class(arguments):
     found = _chosen(found, arguments.only or "")
     _check_out(out, submissions)
     sandbox.prepare()
-    toolchain.sandbox, toolchain.remark = bubblewrap.find(toolchain)
+    try:
+        toolchain.sandbox, toolchain.remark = bubblewrap.find(toolchain)
+    except MachineError as error:  # a class does not begin without one; a queue tries another machine
+        raise ToolError(error) from error
     toolchain.judges = True
     if toolchain.remark:
         print(f"grade-class: {toolchain.remark}", flush=True)

@@ -104,11 +104,10 @@ class Grader:
         whether its code ran."""
         key = ""
         if not suite.problem:
-            before = self._before(suite, name)
+            key, before = self._before(suite, name)
             if before:
                 suite.take(before["judged"])
                 return before, False
-            key = verdict_files.key_of(self.digest, self.toolchain, suite)
             try:
                 grade_prepared(self.toolchain, [suite], path)
             except Exception as error:
@@ -130,17 +129,17 @@ class Grader:
         """Returns what is known of a submission, with a report, if none of its code has to run for it; or
         None."""
         suites = self._prepared(path)
-        if all(suite.problem or self._before(suite, name) for suite in suites):
+        if all(suite.problem or self._before(suite, name)[1] for suite in suites):
             found = [self._judge(suite, name, path)[0] for suite in suites]
             self._write_report(suites, name)
             return found
         return None
 
     def _before(self, suite, name):
-        """Returns what was found of the same state before, or None."""
+        """Returns a suite's key, and what was found of the same state before, or None."""
+        key = verdict_files.key_of(self.digest, self.toolchain, suite)
         before = None if self.again else verdict_files.read(self.out, suite.feature.stem, name)
-        key = before and verdict_files.key_of(self.digest, self.toolchain, suite)
-        return before if before and before["key"] == key else None
+        return key, before if before and before["key"] == key else None
 
     def _write_report(self, suites, name):
         """Writes the report in place of those that earlier runs made, in any format."""

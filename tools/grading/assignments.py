@@ -82,6 +82,9 @@ def run_command(name, work, status=1, kept=""):
     except subprocess.CalledProcessError as error:
         print(f"{name}: {shlex.join(map(str, error.cmd[:1]))} failed; its reason is above", file=sys.stderr)
         return status
+    except OSError as error:
+        print(f"{name}: {error.filename or 'the system'}: {error.strerror or error}", file=sys.stderr)
+        return status
     except KeyboardInterrupt:
         print(f"{name}: stopped{kept}", file=sys.stderr)
         return 130

@@ -12,7 +12,7 @@ import shutil
 import subprocess
 
 from grading import seccomp
-from grading.assignments import ToolError
+from grading.assignments import MachineError, ToolError
 
 _SYSTEM = ("/usr", "/bin", "/sbin", "/lib", "/lib32", "/lib64", "/libx32", "/nix/store",
            "/etc/alternatives", "/etc/ld.so.cache")
@@ -85,5 +85,6 @@ def find(toolchain):
         if tried.returncode == 0:
             return sandbox, ""
         reason = (tried.stderr.strip().splitlines() or ["bwrap fails"])[-1]
-    raise ToolError(f"there is no sandbox ({reason}), and graded code would run with your rights: install "
-                    "bubblewrap, or say SANDBOX=no to run it all the same, as a user who has nothing to lose")
+    raise MachineError(f"there is no sandbox ({reason}), and graded code would run with your rights: install "
+                       "bubblewrap, or say SANDBOX=no to run it all the same, as a user who has nothing to "
+                       "lose")

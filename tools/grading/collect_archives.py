@@ -50,8 +50,8 @@ class Found:
         self.parts, self.times, self.path = parts, times, path
 
     def time_below(self, depth):
-        """When it was delivered as a part of an item of so many parts: what lies in a student's own archive
-        has times that the student chose."""
+        """When it was delivered as a part of an item of so many parts: files in a student's own archive have
+        times that the student chose."""
         return next((time for count, time in self.times if count >= depth), None)
 
     def __str__(self):
