@@ -93,6 +93,14 @@ def at_once_is_the_same(folder):
         os.path.join(folder, "by hosts", ".*")), "so does this machine as one of HOSTS", said)
 
 
+def lines_that_run_together_lose_nobody(folder):
+    engine = class_jobs.Engine(2, [], folder)
+    said = [(ended.number, ended.fault) for ended in engine.run(
+        ["sh", "-c", 'printf \'{"number": 1}{"number": 2}\'; test "$2" != 3', "sh"], [1, 2, 3])]
+    check(sorted(said) == [(1, ""), (2, ""), (3, "its grader was ended, by status 1")],
+          "lines that run together lose nobody", said)
+
+
 def what_changes_is_graded_again(folder):
     place, out = os.path.join(folder, "changing"), os.path.join(folder, "changed")
     for name in ("ann", "bob"):
@@ -293,11 +301,11 @@ def main():
         if not class_jobs.find_parallel() or test_grade.NO_SANDBOX:
             print("1..0 # SKIP needs GNU parallel and bubblewrap")
             return 0
-        for claim in (at_once_is_the_same, what_changes_is_graded_again, a_class_is_interrupted,
-                      a_killed_worker_is_replaced, a_full_disk_is_nobodys_fault,
-                      tools_that_fail_on_a_full_disk, no_memory_is_nobodys_fault,
-                      machines_apart_are_one_class, a_grading_kit_grades_anywhere,
-                      other_programs_of_that_name):
+        for claim in (at_once_is_the_same, lines_that_run_together_lose_nobody,
+                      what_changes_is_graded_again, a_class_is_interrupted, a_killed_worker_is_replaced,
+                      a_full_disk_is_nobodys_fault, tools_that_fail_on_a_full_disk,
+                      no_memory_is_nobodys_fault, machines_apart_are_one_class,
+                      a_grading_kit_grades_anywhere, other_programs_of_that_name):
             claim(folder)
     finally:
         sandbox.end_strays()

@@ -58,7 +58,7 @@ class Pictures:
 
     def __init__(self, source, build):
         self._source = source
-        self._folders = [os.path.join(top, "docs", "out", "figures") for top in (build, source)]
+        self._folder = os.path.join(build, "docs", "out", "figures")
         self._rows = {}
 
     def of(self, feature, claim):
@@ -69,13 +69,12 @@ class Pictures:
         if not rows:
             return None
         row = min(rows, key=lambda row: row.mutant.fails.index(claim))
-        for folder in self._folders:
-            try:
-                with open(os.path.join(folder, f"wrong_{feature.stem}_{row.mutant.name}.png"), "rb") as file:
-                    return row.mutant.mistake, row.caption, file.read()
-            except OSError:
-                pass
-        return row.mutant.mistake, row.caption, None
+        try:
+            name = f"wrong_{feature.stem}_{row.mutant.name}.png"
+            with open(os.path.join(self._folder, name), "rb") as file:
+                return row.mutant.mistake, row.caption, file.read()
+        except OSError:
+            return row.mutant.mistake, row.caption, None
 
 
 def write_page(source, build, stems, folder):

@@ -100,14 +100,13 @@ class Grader:
             return _none_of(self.features, str(error) if os.path.lexists(path) else gone)
 
     def _judge(self, suite, name, path):
-        """Gives a suite its verdicts, from before where nothing has changed. Returns what is known of it, and
-        whether its code ran."""
+        """Gives a suite its verdicts, from before where nothing has changed. Returns what is known of it."""
         key = ""
         if not suite.problem:
             key, before = self._before(suite, name)
             if before:
                 suite.take(before["judged"])
-                return before, False
+                return before
             try:
                 grade_prepared(self.toolchain, [suite], path)
             except Exception as error:
@@ -116,21 +115,21 @@ class Grader:
                 suite.not_graded = str(error)
                 suite.give_up(f"not graded: {error}")
         return verdict_files.write(self.out, name, suite, "" if suite.not_graded else key,
-                                   _notes(suite)), not suite.not_graded
+                                   _notes(suite))
 
     def grade(self, path, name):
-        """Grades a submission. Returns what is known of each assignment, and of how many the code ran."""
+        """Grades a submission. Returns what is known of each assignment."""
         suites = self._prepared(path)
         found = [self._judge(suite, name, path) for suite in suites]
         self._write_report(suites, name)
-        return [part for part, _ in found], sum(is_new for _, is_new in found)
+        return found
 
     def known(self, path, name):
         """Returns what is known of a submission, with a report, if none of its code has to run for it; or
         None."""
         suites = self._prepared(path)
         if all(suite.problem or self._before(suite, name)[1] for suite in suites):
-            found = [self._judge(suite, name, path)[0] for suite in suites]
+            found = [self._judge(suite, name, path) for suite in suites]
             self._write_report(suites, name)
             return found
         return None
@@ -166,6 +165,12 @@ def _job(path, number):
     return os.fsdecode(bytes.fromhex(submission)), os.fsdecode(bytes.fromhex(name))
 
 
+def _tell(**said):
+    """Tells make grade-class, in one write: others' lines go to the same pipe."""
+    sys.stdout.flush()
+    os.write(sys.stdout.fileno(), json.dumps(said).encode() + b"\n")
+
+
 def _arguments():
     parser = Parser(
         description=__doc__.split("\n\n")[0],
@@ -186,7 +191,7 @@ def _arguments():
     add("--jobs", type=int, metavar="N", help="so many processors at most; default: all")
     add("--kit", metavar="DIR", help="a copy of the kit that make grade-class made")
     add("--list", metavar="FILE", help="of make grade-class: the class, of which it grades one")
-    add("--number", type=int, metavar="N", help="this one, from 1 on; its name and result are said as JSON")
+    add("--number", type=int, metavar="N", help="this one, from 1 on; how it ended is said as JSON")
     return parser.parse_args()
 
 
@@ -212,9 +217,9 @@ def _grade(arguments):
     with private_copy.borrowed(arguments.kit, toolchain, features, arguments.stems) as kit:
         toolchain.kit_copy = kit
         grader = Grader(toolchain, arguments.stems, arguments.out, arguments.format, arguments.again)
-        found, ran = grader.grade(path, name)
+        found = grader.grade(path, name)
     if arguments.list:
-        print(json.dumps({"number": arguments.number, "ran": ran}), flush=True)
+        _tell(number=arguments.number)
         return 0
     print(results.printable(f"{results.name_of(name)}: {summary(found).strip()}"))
     return UNGRADABLE if any(part["not_graded"] for part in found) else 0
@@ -232,8 +237,7 @@ def main():
             print(f"grade-one: {getattr(error, 'filename', '') or 'the system'}: {error}", file=sys.stderr)
             return 2
         if arguments.list:
-            print(json.dumps({"number": arguments.number, "fault": str(error)[:500] or "no memory"}),
-                  flush=True)
+            _tell(number=arguments.number, fault=str(error)[:500] or "no memory")
         else:
             print(f"grade-one: {error or 'no memory'}", file=sys.stderr)
         return ELSEWHERE

@@ -76,10 +76,11 @@ class Engine:
                             "it, say JOBS=1")
 
     def run(self, command, numbers):
-        """Yields an Ended for each number, as they end. Workers print one short line each, which arrives
-        whole; grouped, their output would need space on a disk that may be full."""
+        """Yields an Ended for each number, as they end. Workers print a short line each, ungrouped: grouped,
+        their output would need space on a disk that may be full. Who ended, and how, is in the job log, if
+        two lines should run together."""
         with tempfile.TemporaryDirectory(prefix=".jobs-", dir=self._out) as folder:
-            log, reasons = os.path.join(folder, "log"), {}
+            log, reasons, told = os.path.join(folder, "log"), {}, set()
             hosts = ["--sshlogin", ",".join(self._hosts), "--workdir", os.getcwd()] if self._hosts else []
             if self._hosts:
                 names = [name for name in os.environ if name.startswith("RAYKIT_")]
@@ -102,27 +103,29 @@ class Engine:
                     if said and "fault" in said:
                         reasons[said["number"]] = said  # it is tried again
                     elif said:
-                        reasons.pop(said["number"], None)
+                        told.add(said["number"])
                         yield Ended(said["number"], said, 0)
                 if process.wait() == 255:
                     raise MachineError("GNU parallel failed, its reason is above; mend that, and give the "
                                        "same command again: what is there stays")
-                yield from self._failed(log, numbers, reasons)
+                yield from self._untold(log, numbers, reasons, told)
             except BaseException:
                 _stop(process)
                 raise
 
     @staticmethod
-    def _failed(log, numbers, reasons):
-        """Yields those that the log has no success of, though they were begun."""
+    def _untold(log, numbers, reasons, told):
+        """Yields those that were begun and did not say that they have a verdict."""
         rows = {}
         if os.path.exists(log):
             with open(log, encoding="utf-8", errors="replace") as file:
                 for row in (line.split("\t") for line in file.read().splitlines()[1:]):
                     rows[numbers[int(row[0]) - 1]] = int(row[6]), int(row[7])
         for number, (status, name) in rows.items():
-            if status or name:
-                yield Ended(number, reasons.get(number, {}), -name if name else status)
+            if number not in told:
+                is_good = not status and not name
+                said = {"number": number} if is_good else reasons.get(number, {})
+                yield Ended(number, said, -name if name else status)
 
 
 def _stop(process):
