@@ -267,6 +267,24 @@ def sleepers_are_not_waited_for(grader):
               f"a unit that {what} holds nobody up", f"{took:.0f} s, {reason}")
 
 
+def after_one_loop_single_calls_are_not_waited_for(grader):
+    """Only where one call does not end: who works slowly through many of them has all the time of a claim."""
+    right, seconds = text_of("normals"), 2
+    at = right.index(CALLED) + len(CALLED)
+    tests = ["each_axis_has_a_colour_of_its_own", "opposite_normals_have_complementary_colours"]
+    units = {"loops": "for (volatile int k = 0; k < 2; k = 0) { }",
+             "is slow": "for (volatile int k = 0; k < 5000000; k++) { }"}
+    found = {}
+    for what, statement in units.items():
+        with mock.patch.dict(os.environ, RAYKIT_TEST_SECONDS=str(seconds)), \
+                mock.patch.object(grade.Suite, "hung", lambda _: 1):
+            found[what] = grader.verdicts("normals", right[:at] + statement + right[at:], True, tests)[0]
+    check(all("within 0.2 s in one call" in reason for _, reason in found["loops"].values()),
+          "after one endless loop a single call gets less time", str(found["loops"]))
+    check(all("within 2 seconds" in reason or passed for passed, reason in found["is slow"].values()),
+          "who works slowly through many calls does not", str(found["is slow"]))
+
+
 def what_one_call_leaves_another_does_not_find(grader):
     right, claim = text_of("normals"), "each_axis_has_a_colour_of_its_own"
     at, first = right.index(CALLED) + len(CALLED), right.index("#include")
@@ -359,6 +377,7 @@ def main():
         starters_and_mistakes_get_the_same_verdicts(grader)
         forgeries_earn_no_more_than_their_code(grader)
         sleepers_are_not_waited_for(grader)
+        after_one_loop_single_calls_are_not_waited_for(grader)
         what_one_call_leaves_another_does_not_find(grader)
         a_tree_that_is_too_large_is_told(grader)
         constant_structures_cannot_be_written_to(grader)

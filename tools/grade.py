@@ -133,15 +133,16 @@ class Suite:
         """Returns how many tests did not end, so far."""
         return sum(verdict.timed_out and not verdict.is_open for verdict in list(self.verdicts.values()))
 
-    def limit_of_next_test(self, seconds):
+    def limit_of_next_test(self, seconds, counts_calls=False):
         """Returns the limit for the next test, and a phrase for it: short after two that took all of
-        theirs, but three times as long as those that passed, and after many that were slow."""
+        theirs, but three times as long as those that passed, and after many that were slow. Where calls are
+        counted, a short limit is that of one call."""
         verdicts = list(self.verdicts.values())
         if sum(verdict.worked for verdict in verdicts) > IN_ALL * seconds:
             return seconds / 10, (f"{seconds / 10:.3g} s (a short limit, as the tests before it took more "
                                   f"than {IN_ALL * seconds:.3g} s together)")
         hung = self.hung()
-        if hung < TIMEOUTS:
+        if hung < TIMEOUTS or counts_calls:
             return seconds, f"{seconds:g} seconds"
         slowest = max((verdict.seconds for verdict in verdicts if verdict.passed), default=0)
         # At home the others are only waited for so long that the student sees which hold.
@@ -150,6 +151,18 @@ class Suite:
         many = f"{TIMEOUTS} tests before it took all of theirs" if hung < LOOPS else (
             f"{LOOPS} tests before it did not end")
         return short, f"{short:.3g} s (a short limit, as {many})"
+
+    def limit_of_one_call(self, seconds):
+        """Returns the limit for one call of the next test, where calls are counted, and a phrase for it: none
+        before a test did not end, and a short one then, but three times as long as whole tests that passed.
+        Who works slowly through many calls has all the time of a test."""
+        hung = self.hung()
+        if not hung:
+            return None, ""
+        verdicts = list(self.verdicts.values())
+        slowest = max((verdict.seconds for verdict in verdicts if verdict.passed), default=0)
+        short = min(seconds, max(seconds / (10 if hung < TIMEOUTS else 40), 3 * slowest))
+        return short, f"{short:.3g} s in one call (a short limit, as a test before it did not end)"
 
 
 def seconds_per_test():
@@ -265,12 +278,14 @@ def _options(toolchain, suite, limit, megabytes, options=""):
             "system_calls": toolchain.sandbox.filter if toolchain.sandbox else b""}
 
 
-def _run(toolchain, suite, name, limit, megabytes, decoy=False):
+def _run(toolchain, suite, name, limit, megabytes, call_limit=None, decoy=False):
     """Runs one claim: with the unit in a process of its own where that can be."""
     options, secret = _options(toolchain, suite, limit, megabytes), make_secret(decoy)
-    options["asks_where"] = suite.hung() < LOOPS  # six places are enough
     if _is_apart(suite, name):
-        return judged.run(toolchain, suite.feature.stem, name, suite.unit_program, secret, **options)
+        options["asks_where"] = suite.hung() < TIMEOUTS  # it takes time, and two places are enough
+        return judged.run(toolchain, suite.feature.stem, name, suite.unit_program, secret,
+                          call_limit, **options)
+    options["asks_where"] = suite.hung() < LOOPS
     return sandbox.run(["test_" + suite.feature.stem, "--only", name], program=suite.program, secret=secret,
                        **options)
 
@@ -284,11 +299,13 @@ def run_test(toolchain, suite, test, seconds, megabytes, record=None):
     than before: a slower unit may be right, and waiting for an endless loop would hold up the others."""
     usual = record and record.usual(test.name)
     soon = suite.first_limit(usual) if record else seconds
-    limit, phrase = (soon, "") if soon < seconds else suite.limit_of_next_test(seconds)
-    outcome = _run(toolchain, suite, test.name, limit, megabytes)
-    program = suite.unit_program if _is_apart(suite, test.name) else suite.program
+    is_apart = _is_apart(suite, test.name)
+    limit, phrase = (soon, "") if soon < seconds else suite.limit_of_next_test(seconds, is_apart)
+    call_limit, call_phrase = suite.limit_of_one_call(seconds)
+    outcome = _run(toolchain, suite, test.name, limit, megabytes, call_limit)
+    program = suite.unit_program if is_apart else suite.program
     outcome.output = build.plain(toolchain, suite.unit, _with_lines(toolchain, program, outcome.output))
-    verdict = judge(outcome, suite, test.name, phrase, megabytes)
+    verdict = judge(outcome, suite, test.name, call_phrase if outcome.limit == "call" else phrase, megabytes)
     verdict.worked = outcome.worked
     if verdict.timed_out and not phrase:
         before = f" (it took {usual:.2g} s before)" if usual is not None else ""

@@ -16,6 +16,7 @@ from grading import sandbox
 _BYTES = 256 << 20  # RK_JUDGE_BYTES of tests/judge/protocol.h
 _LEAKS = 23  # RK_JUDGE_LEAKS there
 _GET_SEALS, _SEAL_FUTURE_WRITE = 1034, 0x10  # of <linux/fcntl.h>
+_ANSWERED = 4  # bytes, the head of rk_judge_answered there
 _GRACE = 1  # seconds that a unit's process may need to end when its judge has failed
 _PATIENCE = 20  # seconds that a judge may work on when the unit's process has ended
 
@@ -110,19 +111,21 @@ class _Judge:
         self.process.wait()
 
 
-def run(toolchain, stem, name, program, secret, **options):
-    """Runs one claim with the unit's program; `options` are those of sandbox.run. Returns its Outcome, as of
-    one process that would have run both."""
+def run(toolchain, stem, name, program, secret, call_seconds=None, **options):
+    """Runs one claim with the unit's program, which may work in one call for so many seconds; `options` are
+    those of sandbox.run. Returns its Outcome, as of one process that would have run both."""
     asked, answered = _shared_memory("requests"), _shared_memory("answers")
     alive, held = os.pipe()
     judge, descriptors = None, [asked, answered, alive, held]
+    calls = call_seconds and (lambda: os.pread(answered, _ANSWERED, 0), call_seconds)
     try:
         judge = _Judge(toolchain, stem, name, (asked, answered, alive), secret)
         options["environment"] = dict(options["environment"], RAYKIT_JUDGE=f"{asked},{answered}")
         # The judge sees by the pipe that the unit's process has ended.
         outcome = sandbox.run(["unit_" + stem], program=program, descriptors=(asked, answered, held),
                               when_begun=lambda: os.close(descriptors.pop()),
-                              is_needless=judge.has_failed, partners=(judge.process.pid,), **options)
+                              is_needless=judge.has_failed, partners=(judge.process.pid,), calls=calls,
+                              **options)
         status, attested, testimony, said = judge.finish()
     finally:
         if judge:

@@ -268,14 +268,15 @@ def _limited(command, seconds):
 
 def run(command, *, seconds, megabytes, folder, environment, output_bytes=16 << 20, program=None,
         secret=b"", enclose=None, system_calls=b"", descriptors=(), when_begun=None,
-        is_needless=lambda: False, partners=(), asks_where=True):
+        is_needless=lambda: False, partners=(), asks_where=True, calls=None):
     """Runs the command in `folder` and returns its Outcome. A Program as `program` is run instead; if there
     is a secret, in RAYKIT_ATTEST it gets a descriptor from which it reads that, and outcome.attested tells
     whether it came back; outcome.testimony is what else came. `enclose` puts a command into bubblewrap.
     `when_begun` is called when the program has its descriptors; it ends when it `is_needless`. It may work
     no longer than its seconds, and sleep no longer while its `partners`, the processes that it works with,
-    do nothing either; they may work some times as long. If it `asks_where`, a program at its limit prints
-    where it is, which takes a second. Raises MachineError where this machine is to blame."""
+    do nothing either; they may work some times as long. `calls` is a function that counts the calls which it
+    has answered, and the seconds that it may work without another one. If it `asks_where`, a program at its
+    limit prints where it is, which takes a second. Raises MachineError where this machine is to blame."""
     outcome, kept = Outcome(), _Tail()
     descriptors, options = tuple(descriptors), {}
     status = os.pipe() if enclose else ()
@@ -320,8 +321,9 @@ def run(command, *, seconds, megabytes, folder, environment, output_bytes=16 << 
         if enclose and system_calls:
             os.close(listed)
     try:
-        _watch(process, partners, outcome, kept, (began, seconds), megabytes << 20, output_bytes, is_needless)
-        if outcome.limit == "seconds" and asks_where:
+        _watch(process, partners, outcome, kept, (began, seconds), megabytes << 20, output_bytes, is_needless,
+               _Calls(*calls) if calls else None)
+        if outcome.limit in ("seconds", "call") and asks_where:
             _ask_where(process, kept, bool(enclose))
     finally:
         _kill(process.pid)
@@ -378,7 +380,22 @@ def _drain(pipe, kept):
         pass
 
 
-def _watch(process, partners, outcome, kept, times, memory_bytes, output_bytes, is_needless):
+class _Calls:
+    """Tells whether a program works longer in one call than it may, or sleeps four times as long."""
+
+    def __init__(self, count, seconds):
+        self._count, self._seconds = count, seconds
+        self._counted, self._worked = b"", 0.0
+
+    def last_too_long(self, worked, slept):
+        """`worked` are the seconds that the program has worked so far."""
+        counted = self._count()
+        if counted != self._counted:
+            self._counted, self._worked = counted, worked
+        return worked > self._worked + self._seconds or slept > 4 * self._seconds
+
+
+def _watch(process, partners, outcome, kept, times, memory_bytes, output_bytes, is_needless, calls):
     """Reads until the program ends or is ended, with the reason in outcome.limit."""
     began, seconds = times
     idle, next_look = Idleness(), time.monotonic() + _LOOK
@@ -393,7 +410,7 @@ def _watch(process, partners, outcome, kept, times, memory_bytes, output_bytes, 
             elif not selector.get_map():
                 time.sleep(0.005)
             now = time.monotonic()
-            occupied, processes, slept = 0, 1, 0.0
+            occupied, processes, slept, is_long = 0, 1, 0.0, False
             if now >= next_look:
                 family = _family(process.pid)
                 slept = idle.look([*family, *(pid for partner in partners for pid in _family(partner))])
@@ -401,6 +418,7 @@ def _watch(process, partners, outcome, kept, times, memory_bytes, output_bytes, 
                 next_look = now + _LOOK
                 outcome.occupied = max(outcome.occupied, occupied)
                 outcome.worked = max(outcome.worked, _worked(process.pid, 0, family))
+                is_long = calls is not None and calls.last_too_long(outcome.worked, slept)
             if stop.is_set():
                 outcome.limit = "stopped"
             elif is_needless():
@@ -413,6 +431,8 @@ def _watch(process, partners, outcome, kept, times, memory_bytes, output_bytes, 
                 outcome.limit = "processes"
             elif slept > seconds or now - began > seconds and _have_worked(process, partners, seconds):
                 outcome.limit = "seconds"
+            elif is_long:
+                outcome.limit = "call"
             elif now - began > _STARVED * seconds:
                 raise MachineError(
                     f"the machine is too busy: what worked {_worked(process.pid, 0):.1f} s did not end in "

@@ -187,7 +187,7 @@ def judge(outcome, suite, name, limit, megabytes):
         return Verdict(False, reason, place, outcome.output, outcome.seconds)
 
     text = outcome.output
-    if outcome.limit == "seconds":
+    if outcome.limit in ("seconds", "call"):
         where, filled = _place_in_unit(text, unit), outcome.occupied >> 20
         # A slow machine takes long to fill memory, so time may be over first.
         reason = (f"did not end within {limit}, and had filled {filled} MB of memory: "
