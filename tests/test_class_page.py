@@ -178,7 +178,7 @@ def numbers_are_right(page, verdicts):
 
 
 def words_of(verdicts, not_graded, stuck_before):
-    """Who needs a word, counted again."""
+    """Whom to talk to, counted again."""
     rows = [(name, "bloom", "was not graded") for name in not_graded]
     for v in verdicts:
         has_begun = bool(begun_of([v]))
@@ -200,9 +200,9 @@ def a_class_of_60(folder):
     page = page_of(results)
     check(page.is_well_formed and page.open == [], "the page's tags are balanced", str(page.open))
     numbers_are_right(page, first)
-    table = page.tables["Who needs a word"][1:]
+    table = page.tables["Whom to talk to"][1:]
     check(sorted(tuple(row[:3]) for row in table) == words_of(first, not_graded, {}),
-          "who needs a word", table)
+          "whom to talk to", table)
     check(sum("no earlier run" in text for text in page.said) == len(STEMS),
           "the first run has no earlier one")
     tags = {tag for tag, _ in page.tags}
@@ -223,19 +223,26 @@ def a_class_of_60(folder):
     put(results, second)
     page = page_of(results)
     numbers_are_right(page, second)
-    table = page.tables["Who needs a word"][1:]
+    table = page.tables["Whom to talk to"][1:]
     check(sorted(tuple(row[:3]) for row in table) == words_of(second, not_graded, stuck) and
           any("two runs" in row[2] for row in table), "who is stuck at the same claim for two runs", table)
     third = verdict_of(rng, "bloom", NAMES[0], "2026-11-29 20:00:00 +0000", 0)
     put(results, [third])
     mine = ["s00", "bloom"]
     rows = [[row for row in rows if row[:2] != mine]
-            for rows in (table, page_of(results).tables["Who needs a word"][1:])]
+            for rows in (table, page_of(results).tables["Whom to talk to"][1:])]
     check(rows[0] == rows[1], "one that is graded again changes nothing for the others", str(rows))
+    before = page_of(results)
+    put(results, [{**third, "graded": "2026-11-30 20:00:00 +0000"}])
+    after = page_of(results)
+    check(after.tables == before.tables and after.said != before.said
+          and [text for text in after.said if not text.startswith("Graded")] ==
+          [text for text in before.said if not text.startswith("Graded")],
+          "the same work, graded again, is no other run", [*before.said, *after.said])
     for stem in STEMS:
         pairs = [(a["points"], b["points"]) for a, b in zip(first, second) if a["assignment"] == stem]
         said = (f"{len([1 for a, b in pairs if b > a])} gained points, {len([1 for a, b in pairs if b < a])} "
-                f"lost some, {len([1 for a, b in pairs if a == b])} have the same, and 0 are new")
+                f"lost points, {len([1 for a, b in pairs if a == b])} have as many; 0 have no previous run")
         check(any(said in text for text in page.said), f"{stem}: what changed since the last run", said)
 
 

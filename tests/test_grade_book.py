@@ -201,7 +201,7 @@ def rows_and_students_are_told(top):
     one = Course(top)
     more = CANVAS + '"Stranger, A",70,9,q,S1,,7,,\n"Mason, Ann",71,,amason,S2,,,,\n'
     one.book("canvas", template=more.replace('"Jarvis, Tom",58,,tj@uni.edu,S1,,,,\n', ""))
-    check("Stranger, A, 70, 9 is nobody's on the roster; it stays as it is" in one.said,
+    check("no student on the roster matches the row Stranger, A, 70, 9; it stays as it is" in one.said,
           "a stranger's row is listed", one)
     check("Tom Jarvis (1004) has no row in" in one.said and one.status == 1,
           "a student without a row is listed", one)
@@ -215,10 +215,34 @@ def rows_and_students_are_told(top):
     check("by the name alone: Ann Mason (1001)" in one.said, "who was found by the name alone is said", one)
     one = Course(top, ONE + "2222,graded,5,5,100,\n",
                  COLLECTED + "7777,7777,New One,n@uni.edu,,,0,\n").book("csv")
-    check("2222 in" in one.said and "is nobody's on the roster" in one.said, "a result of nobody's is listed",
+    check("no student on the roster matches 2222 in" in one.said, "a result of nobody's is listed",
           one)
     check("New One (7777): the submission 7777 has no row in" in one.said and one.status == 1,
           "so is a submission without a result", one)
+
+
+def other_points_are_not_replaced_in_silence(top):
+    one = Course(top).book("moodle", template=MOODLE)
+    told = "Müller, Jörg (1002): 3.00, graded 55"
+    check(told in one.said and "KEEP=yes would keep them" in one.said and one.said.count(", graded ") == 1,
+          "points of the template that become others are listed", one)
+    one.book("moodle", "--keep", template=MOODLE)
+    check(told in one.said and moodle_reads(one.data) == {1: 91, 2: 3, 3: 0, 4: 0, 6: 88},
+          "KEEP=yes keeps what is there, and says so", one)
+    one.book("moodle", "--keep", template=MOODLE.replace("3.00", "55,0").replace(",55,0,", ',"55,0",'))
+    check("KEEP" not in one.said, "the same points are no others", one)
+
+
+def who_is_not_collected_is_not_missing(top):
+    one = Course(top, ONE, COLLECTED.replace(",,,,missing", ",,,,the group G1 has nobody"))
+    one.book("csv", "--missing", "0")
+    check("=HYPERLINK(1) (1005): no work was collected: the group G1 has nobody" in one.said
+          and one.status == 1 and ",100,,not collected" in one.data.decode(),
+          "whose work was not collected gets no 0", one)
+    one = Course(top).book("moodle", "--missing", "0",
+                           template=MOODLE.replace("No submission", "Submitted for grading - Late"))
+    check("=HYPERLINK(1) (1005) submitted something" in one.said and 5 not in moodle_reads(one.data),
+          "nor does one whose work the platform has", one)
 
 
 def moodle_imports_it(top):
@@ -292,6 +316,11 @@ def penalties_are_exact(top):
     check(one.status == 1 and "Müller, Jörg (1002): days_late is ?" in one.said
           and '"Müller, Jörg",jm@uni.edu,,1002,,100,?,days late unknown' in one.data.decode(),
           "unknown days are asked for, not guessed", one)
+    check("10 percent for each day were taken from 2 students" in one.said, "how many are late is said", one)
+    one = Course(top, ONE, re.sub(r",[012],", ",,", COLLECTED)).book("csv", "--penalty", "10")
+    check(one.status == 2 and "does not say how late anybody was; give make collect DUE=" in one.said,
+          "a penalty without a deadline is refused", one)
+    one = Course(top, ONE, COLLECTED.replace(",2,", ",?,"))
     one.book("csv")
     check('1002,55,100,?,' in one.data.decode(), "and do not matter without a penalty", one)
 
@@ -318,13 +347,25 @@ def what_is_wrong_is_told(top):
           "what is no number is named by its line", one)
 
 
+def misspelt_variables_are_told():
+    make = os.environ.get("MAKE", "make").split()
+    for target, wrong, right in (("grade-book", "PENALITY", "PENALTY"), ("collect", "UNTILL", "UNTIL"),
+                                 ("class-page", "ROSTER", "RESULTS"), ("grade-class", "HOST", "HOSTS")):
+        status, said = run(".", *make, "-s", target, f"{wrong}=10", "OUT=/nowhere/else")
+        check(status and f"make {target}: it takes no {wrong}, but " in said and right in said,
+              f"make {target} takes no {wrong}", said)
+
+
 def main():
     top = tempfile.mkdtemp(prefix="raykit-test-book-")
     try:
-        for claims in (canvas_imports_it, rows_and_students_are_told, moodle_imports_it,
+        for claims in (canvas_imports_it, rows_and_students_are_told,
+                       other_points_are_not_replaced_in_silence, who_is_not_collected_is_not_missing,
+                       moodle_imports_it,
                        blackboard_imports_it,
                        a_table_is_safe, penalties_are_exact, what_is_wrong_is_told):
             claims(top)
+        misspelt_variables_are_told()
     finally:
         shutil.rmtree(top, ignore_errors=True)
     return finish()

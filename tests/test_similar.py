@@ -102,11 +102,11 @@ def compared(folder, stem, submissions, last_year=None):
         return run_in(here, stem, bool(last_year))
 
 
-def run_in(here, stem, has_last_year=False):
+def run_in(here, stem, has_last_year=False, is_asked=True):
     said = io.StringIO()
     with contextlib.redirect_stdout(said):
-        similar.similar(SOURCE, [stem], os.path.join(here, "class"), os.path.join(here, "out"),
-                        os.path.join(here, "before") if has_last_year else "")
+        similar.similar(SOURCE, [stem] if is_asked else [], os.path.join(here, "class"),
+                        os.path.join(here, "out"), os.path.join(here, "before") if has_last_year else "")
     return list(csv.DictReader(io.StringIO(read(here, "out", "similar.csv")))), said.getvalue()
 
 
@@ -197,7 +197,13 @@ def nothing_ends_it(folder):
             check(any(f"{name} was not compared" in line and why in line for line in said.splitlines()),
                   f"what cannot be compared is told: {name}", said)
         check([row["submission"] for row in rows] == ["right"], "the others are compared", rows)
-        check("never an accusation" in said, "what a share means is said", said)
+        rows, said_by_itself = run_in(here, stem, is_asked=False)
+        left_out = [other for other in FEATURES if other != stem]
+        said = f"no units to compare of {', '.join(left_out)};"
+        check("right" in [row["submission"] for row in rows] and said in said_by_itself
+              and "shading was not" not in said_by_itself,
+              "assignments of which nobody has a unit are told in one line", said_by_itself)
+        check("never an accusation" in said_by_itself, "what a share means is said", said_by_itself)
 
 
 def a_class_is_quick():

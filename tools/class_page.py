@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Writes RESULTS/class.html, what a class has learned, from the verdicts that grading has left in RESULTS:
-what to teach on Monday, where those who have begun are stuck, and who needs a word."""
+what to teach on Monday, where those who have begun are stuck, and whom to talk to."""
 
 import json
 import os

@@ -8,9 +8,11 @@ all. FORMAT=moodle fills the Grade column of the offline grading worksheet with 
 TEMPLATE, writes what Grades, Import, CSV file takes.
 
 Points that nobody knows are left as the TEMPLATE has them, empty without one: they are not 0. So are those of
-students who handed in nothing, unless MISSING=0. PENALTY=10 takes 10 percent of an assignment's points for
-each day late; the rest is rounded to whole points, a half up. In FORMAT=csv, an apostrophe stands before what
-a spreadsheet would take for a formula; the other forms have names as the TEMPLATE has them.
+students who handed in nothing, unless MISSING=0. Points that the TEMPLATE has already become those of the
+results, and are listed if these are others; KEEP=yes leaves them as they are. PENALTY=10 takes 10 percent of
+an assignment's points for each day late; the rest is rounded to whole points, a half up. In FORMAT=csv, an
+apostrophe stands before what a spreadsheet would take for a formula; the other forms have names as the
+TEMPLATE has them.
 """
 
 import argparse
@@ -20,7 +22,7 @@ import sys
 from grading.assignments import (Parser, ToolError, choose, choose_format, read_features, read_points,
                                  run_command)
 from grading.book_forms import FORMS, Book
-from grading.book_points import Results, grades_of, penalty_of
+from grading.book_points import Results, grades_of, is_late, penalty_of
 from grading.results import check_place, printable, write_whole
 
 _SHOWN = 40  # faults on the screen
@@ -61,15 +63,23 @@ def grade_book(options):
     wanted += [("total", lambda grade: grade.total())] if len(wanted) > 1 else []
     maxima = {stem: sum(test.points for test in read_points(features[stem])) for stem in results.stems}
     maxima["total"] = sum(maxima.values())
-    book = Book(grades, wanted, maxima, features, options.template, options.column)
+    book = Book(grades, wanted, maxima, features, options.template, options.column,
+                options.keep)
     text, encoding = FORMS[options.format](book)
     write_whole(options.out, text, encoding)
     faults += book.faults
     missing = [grade for grade in grades if grade.note == "missing"]
     what = "have 0" if options.missing else "have no grade; MISSING=0 would give them 0"
     lines = [f"{len(missing)} of {len(grades)} students handed in nothing, and {what}"] if missing else []
-    lines += [*book.remarks, *faults[:_SHOWN]]
-    lines += [f"and {len(faults) - _SHOWN} more of these"] if len(faults) > _SHOWN else []
+    late = sum(is_late(grade.row) for grade in grades)
+    lines += [f"{options.penalty} percent for each day were taken from {late} students"] if percent else []
+    lines += book.remarks
+    if book.changed:
+        lines.append("KEEP=yes kept other points than the graded ones:" if options.keep else
+                     "other points stood in the template, and were replaced; KEEP=yes would keep them:")
+    for listed in (book.changed, faults):
+        lines += listed[:_SHOWN]
+        lines += [f"and {len(listed) - _SHOWN} more of these"] if len(listed) > _SHOWN else []
     graded = sum(any(points is not None for points in grade.points.values()) for grade in grades)
     lines.append(f"{graded} of {len(grades)} students have a grade; wrote {options.out}")
     for line in lines:
@@ -94,6 +104,7 @@ def main():
     parser.add_argument("--template", default="", metavar="FILE", help="what the grade book exported")
     parser.add_argument("--column", default="", metavar="NAME", help="the column for the sum")
     parser.add_argument("--penalty", default="", metavar="PERCENT", help="of the points, for each day late")
+    parser.add_argument("--keep", action="store_true", help="points that the template has")
     parser.add_argument("--missing", default="", metavar="0", help="who handed in nothing gets 0")
     options = parser.parse_args()
     sys.stdout.reconfigure(errors="backslashreplace")

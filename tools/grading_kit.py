@@ -45,7 +45,8 @@ def _settings(toolchain):
 def pack(build, stems, out):
     """Writes the tar."""
     if not out.endswith(".tar.gz"):
-        raise ToolError(f"OUT: {out or 'nothing'} should end in .tar.gz")
+        raise ToolError(f"OUT: {out} should end in .tar.gz" if out else
+                        "say where the kit goes: OUT=kit.tar.gz")
     toolchain = Toolchain(build)
     toolchain.judges = True
     features = read_features(toolchain.source)
@@ -65,8 +66,9 @@ def pack(build, stems, out):
     finally:
         if os.path.exists(part):
             os.unlink(part)
-    print(f"wrote {out}, which grades {len(stems)} assignments; it holds their solutions. Unpacked:\n"
-          "  python3 tools/grade_one.py --build build --submission PATH --out results")
+    count = "1 assignment" if len(stems) == 1 else f"{len(stems)} assignments"
+    print(f"wrote {out}, which grades {count}; it holds the solutions. Unpacked:\n"
+          f"  python3 tools/grade_one.py {' '.join(stems)} --build build --submission PATH --out results")
 
 
 def main():

@@ -53,16 +53,16 @@ def _read(feature, path, stems):
 
 
 def _read_all(feature, found, stems, prefix=""):
-    """Returns {name: Text} of a class; says what cannot be read."""
-    texts = {}
+    """Returns {name: Text} of a class, and what cannot be read."""
+    texts, unread = {}, []
     for name, path in found.items():
         shown = prefix + results.name_of(name)
         try:
             texts[shown] = _read(feature, path, stems)
         except (ToolError, OSError) as error:
             reason = error.strerror if isinstance(error, OSError) else error
-            print(results.printable(f"similar: {feature.stem}: {shown} was not compared: {reason}"))
-    return texts
+            unread.append(f"similar: {feature.stem}: {shown} was not compared: {reason}")
+    return texts, unread
 
 
 def _common(texts, given):
@@ -146,9 +146,9 @@ def table(pairs):
     return text.getvalue()
 
 
-def similar(source, stems, submissions, out, last_year):
+def similar(source, asked, submissions, out, last_year):
     """Writes OUT/similar.csv."""
-    features = choose(read_features(source), stems)
+    features = choose(read_features(source), asked)
     found = _in_folder("SUBMISSIONS", submissions)
     before = _in_folder("LASTYEAR", last_year) if last_year else {}
     if not out:
@@ -157,12 +157,20 @@ def similar(source, stems, submissions, out, last_year):
         os.makedirs(out, exist_ok=True)
     except OSError as error:
         raise cannot_write(out, error) from error
-    pairs, stems = [], [feature.stem for feature in features]
+    pairs, stems, left_out = [], [feature.stem for feature in features], []
     for feature in features:
-        texts = _read_all(feature, found, stems)
-        done = compare_class(feature, texts, _read_all(feature, before, stems, "last year: "))
+        texts, unread = _read_all(feature, found, stems)
+        if not texts and not asked:
+            left_out.append(feature.stem)
+            continue
+        others, unread_others = _read_all(feature, before, stems, "last year: ")
+        for line in unread + unread_others:
+            print(results.printable(line))
+        done = compare_class(feature, texts, others)
         pairs += done.pairs
         print(f"similar: {feature.stem}: {len(texts)} units, {len(done.pairs)} pairs to read", flush=True)
+    if left_out:
+        print(f"similar: no units to compare of {', '.join(left_out)}; ASSIGNMENTS=\"...\" would say why")
     path = os.path.join(out, "similar.csv")
     results.write_whole(path, table(pairs))
     print(f"similar: {len(pairs)} pairs in {path}; {_ADVICE}")
@@ -170,7 +178,7 @@ def similar(source, stems, submissions, out, last_year):
 
 def main():
     parser = Parser(description=__doc__.split("\n\n", maxsplit=1)[0], epilog=_ADVICE.capitalize() + ".")
-    parser.add_argument("stems", nargs="*", metavar="STEM", help="features; default: all")
+    parser.add_argument("stems", nargs="*", metavar="STEM", help="features; default: those of the class")
     parser.add_argument("--source", required=True, metavar="DIR", help="raykit's source folder")
     parser.add_argument("--submissions", required=True, metavar="DIR",
                         help="a folder or C file for each student")

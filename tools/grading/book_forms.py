@@ -22,12 +22,13 @@ from grading.results import csv_cell
 
 class Book:
     """What is to be written: `wanted` pairs of a name (a stem, or total) and a function from a Grade to its
-    points; `maxima` by name; `template` and `column` as the instructor gave them, or empty."""
+    points; `maxima` by name; `template` and `column` as the instructor gave them, or empty; `keeps` whether
+    points that a template has stay. `changed` are sentences on those that became others, or would have."""
 
-    def __init__(self, grades, wanted, maxima, known, template, column):
+    def __init__(self, grades, wanted, maxima, known, template, column, keeps):
         self.grades, self.wanted, self.maxima, self.known = grades, wanted, maxima, known
-        self.template, self.column = template, column
-        self.faults, self.remarks = [], []
+        self.template, self.column, self.keeps = template, column, keeps
+        self.faults, self.remarks, self.changed = [], [], []
 
     def check_maximum(self, text, name, where):
         """Raises ToolError if the grade book counts other points than the results."""
@@ -54,7 +55,7 @@ class Book:
                 self.faults.append(f"the row {shown} fits {' and '.join(sorted(map(str, who)))}; fill it in "
                                    "by hand")
             elif not who and not is_nobody(row):
-                self.faults.append(f"the row {shown} is nobody's on the roster; it stays as it is")
+                self.faults.append(f"no student on the roster matches the row {shown}; it stays as it is")
             elif student is not None and not matcher.who(*keys(row)[:3], []):
                 by_name.append(str(student))
             yield row, grades.get(student)
@@ -93,13 +94,18 @@ class Book:
             chosen.append((found[0], name, points))
         return chosen
 
-
-def _filled(cell, grade, points):
-    """Returns what is to stand in a cell: what was not graded stays as it was, and so does what was entered
-    for who is missing."""
-    number = None if grade is None else points(grade)
-    is_entered = cell.strip() not in ("", "-")
-    return cell if number is None or grade.note == "missing" and is_entered else str(number)
+    def fill(self, cell, grade, points):
+        """Returns what is to stand in a cell: what was not graded stays as it was, and so does what was
+        entered for who is missing."""
+        number = None if grade is None else points(grade)
+        is_entered = cell.strip() not in ("", "-")
+        if number is None or grade.note == "missing" and is_entered:
+            return cell
+        old = cell.strip().replace(",", ".")
+        if is_entered and not (re.fullmatch(r"\d+(\.\d*)?", old) and float(old) == number):
+            self.changed.append(f"{grade.student}: {cell.strip()}, graded {number}")
+            return cell if self.keeps else str(number)
+        return str(number)
 
 
 def _text(rows, delimiter, quoting=csv.QUOTE_MINIMAL):
@@ -148,7 +154,7 @@ def canvas(book):
     body = [row for row in rows[1:] if row is not possible and row[heading.index("ID")].strip()]
     grades = {id(row): grade for row, grade in book.join(
         body, keys, lambda row: plain(row[0]) in ("student, test", "test student"))}
-    return _text([row[:last + 1] + [_filled(row[index], grades.get(id(row)), points) for index, _,
+    return _text([row[:last + 1] + [book.fill(row[index], grades.get(id(row)), points) for index, _,
                                     points in columns]
                   for row in rows], delimiter), "utf-8"
 
@@ -158,8 +164,9 @@ def moodle(book):
     Grades, Import, CSV file takes."""
     if not book.template:
         heading = ["ID number", "Email address", *(name for name, _ in book.wanted)]
-        return _text([heading] + [[grade.student.id, grade.student.email, *(
-            _filled("", grade, points) for _, points in book.wanted)] for grade in book.grades], ","), "utf-8"
+        rows = [[grade.student.id, grade.student.email,
+                 *(book.fill("", grade, points) for _, points in book.wanted)] for grade in book.grades]
+        return _text([heading, *rows], ","), "utf-8"
     heading, rows, delimiter, _ = _read_template(book, "Moodle's offline grading worksheet")
     for name in ("Identifier", "Grade", "Last modified (grade)"):
         if name not in heading:
@@ -174,9 +181,14 @@ def moodle(book):
 
     filled = [heading]
     for row, grade in book.join(rows[1:], keys):
+        status = " ".join(_cell(row, heading, "Status"))
+        if grade and grade.note == "missing" and "Submitted" in status:
+            book.faults.append(f"{grade.student} submitted something, says {book.template}, but nothing was "
+                               "collected; that grade stays as it is")
+            grade = None
         for maximum in _cell(row, heading, "Maximum Grade", "Maximum grade"):
             book.check_maximum(maximum, name, "the assignment")
-        filled.append([*row[:column], _filled(row[column], grade, points), *row[column + 1:]])
+        filled.append([*row[:column], book.fill(row[column], grade, points), *row[column + 1:]])
     return _text(filled, delimiter), "utf-8"
 
 
@@ -207,7 +219,7 @@ def blackboard(book):
 
     filled = [[heading[index] for index in who] + [heading[index] for index, _, _ in columns]]
     for row, grade in book.join(rows[1:], keys):
-        filled.append([row[index] for index in who] + [_filled(row[index], grade, points)
+        filled.append([row[index] for index in who] + [book.fill(row[index], grade, points)
                                                        for index, _, points in columns])
     return _text(filled, delimiter, csv.QUOTE_ALL), encoding
 
@@ -221,7 +233,7 @@ def table(book):
     for grade in book.grades:
         row = grade.row
         who = [row["id"], row["name"], row["email"], row.get("group", ""), row["submission"]]
-        rows.append([*map(csv_cell, who), *(_filled("", grade, points) for _, points in book.wanted),
+        rows.append([*map(csv_cell, who), *(book.fill("", grade, points) for _, points in book.wanted),
                      book.maxima[book.wanted[-1][0]], csv_cell(row["days_late"]), grade.note])
     return _text(rows, ","), "utf-8"
 

@@ -25,6 +25,12 @@ def with_penalty(points, percent, days):
     return int(left + fractions.Fraction(1, 2))
 
 
+def is_late(row):
+    """Whether a row of collected.csv has a submission after the deadline."""
+    days = row["days_late"]
+    return bool(row["submission"] and re.fullmatch(r"\d+(\.0*)?", days) and float(days))
+
+
 class Results:
     """class.csv: `stems` of its assignments, and for each name a dictionary from these to points, or None for
     what was not graded. Its columns are found by their names."""
@@ -72,14 +78,16 @@ class Grade:
 def _grade_of(row, results, percent, missing):
     """Returns a student's Grade, and what the instructor has to look at."""
     nothing = dict.fromkeys(results.stems)
+    if not row["submission"] and row["remarks"] != "missing":
+        return Grade(row, nothing, "not collected"), f"no work was collected: {row['remarks']}"
     if not row["submission"]:
         return Grade(row, dict.fromkeys(results.stems, missing), "missing"), ""
     if row["submission"] not in results.rows:
         fault = f"the submission {row['submission']} has no row in {results.path}"
         return Grade(row, nothing, "not graded"), fault
-    points, days = results.rows[row["submission"]], row["days_late"] or "0"
+    points, days = results.rows[row["submission"]], row["days_late"]
     if percent and not re.fullmatch(r"\d+(\.0*)?", days):
-        fault = f"days_late is {days}; write the number into collected.csv"
+        fault = f"days_late is {days or 'empty'}; write the number into collected.csv"
         return Grade(row, nothing, "days late unknown"), fault
     if percent:
         days = int(float(days))
@@ -93,11 +101,13 @@ def _grade_of(row, results, percent, missing):
 def grades_of(results, roster, percent, missing):
     """Returns a Grade for each student, and sentences on what the instructor has to look at."""
     rows, faults, grades = read_collected(roster), [], []
+    if percent and not any(row["days_late"] for row in rows):
+        raise ToolError(f"PENALTY: {roster} does not say how late anybody was; give make collect DUE=")
     for row in rows:
         grade, fault = _grade_of(row, results, percent, missing)
         grades.append(grade)
         faults += [f"{grade.student}: {fault}"] if fault else []
     known = {row["submission"] for row in rows}
-    faults += [f"{name} in {results.path} is nobody's on the roster" for name in results.rows
+    faults += [f"no student on the roster matches {name} in {results.path}" for name in results.rows
                if name not in known]
     return grades, faults

@@ -1,5 +1,5 @@
 """What a class has learned, as one page: who has begun, where those who have are stuck, how points are
-distributed, what changed since the last run, and who needs a word. Counts verdicts; judges nothing."""
+distributed, what changed since the last run, and whom to talk to. Counts verdicts; judges nothing."""
 
 import base64
 import collections
@@ -59,7 +59,8 @@ class Work:
         self.maximum, self.problem = verdict["maximum"], verdict["problem"]
         self.not_graded = verdict["not_graded"]
         self.claims = [] if self.problem else verdict["claims"]
-        self.run = [verdict["key"], verdict["graded"]]
+        self.when = verdict["graded"]
+        self.run = [verdict["key"] or self.when]  # the same work graded again is no other run
         failed = [claim for claim in self.claims if not claim["passed"]]
         # A claim of a step fails with the starter.
         self.begun = not verdict["is_starter"] and any(claim["passed"] and claim["step"]
@@ -225,10 +226,10 @@ def _changes(rows):
         return "<p>There is no earlier run to compare with.</p>\n"
     more, less = sum(new > old for old, new in both), sum(new < old for old, new in both)
     same = len(both) - more - less
-    return (f"<p>Since their run before {more} gained points, {less} lost some, {same} have the same, and "
-            f"{len(rows) - len(both)} are new. The median of those with two runs went from "
-            f"{statistics.median(old for old, _ in both):g} to {statistics.median(new for _, new in both):g}."
-            "</p>\n")
+    old, new = (f"{statistics.median(pair[place] for pair in both):g}" for place in (0, 1))
+    return (f"<p>Since each one's previous run, {more} gained points, {less} lost points, {same} have as "
+            f"many; {len(rows) - len(both)} have no previous run. The median of those with two runs went "
+            f"from {old} to {new}.</p>\n")
 
 
 def _need_a_word(assignments, histories):
@@ -245,8 +246,8 @@ def _need_a_word(assignments, histories):
                 rows.append((_text(work.name), stem, why[0], _text(why[1])))
     order = [_NOT_GRADED, _NOTHING_RAN, _STILL_STUCK, _NOT_BEGUN]
     rows.sort(key=lambda row: (order.index(row[2]), row[1], row[0]))
-    return _table("Who needs a word", ["submission", "assignment", "why", "more"], rows) or (
-        "<p>Nobody needs a word.</p>\n")
+    return _table("Whom to talk to", ["submission", "assignment", "why", "more"], rows) or (
+        "<p>Nobody.</p>\n")
 
 
 def _part(assignment, rows, picture_of):
@@ -273,11 +274,11 @@ def _part(assignment, rows, picture_of):
 def page(assignments, histories, unread, picture_of):
     """Returns the page. `histories` has what history returns, by stem; `unread`
     names files that are no verdicts, picture_of(feature, claim) returns what _picture takes."""
-    runs = sorted(work.run[1] for assignment in assignments for work in assignment.works)
+    runs = sorted(work.when for assignment in assignments for work in assignment.works)
     when = f"<p>Graded {_text(' to '.join(sorted({runs[0], runs[-1]})))}.</p>\n"
     lost = f"<p>Could not be read: {_text(', '.join(unread))}.</p>\n" if unread else ""
     contents = "".join(f'<li><a href="#{assignment.feature.stem}">{assignment.feature.stem}</a></li>'
-                       for assignment in assignments) + '<li><a href="#word">Who needs a word</a></li>'
+                       for assignment in assignments) + '<li><a href="#word">Whom to talk to</a></li>'
     return ('<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
             '<meta name="viewport" content="width=device-width"><link rel="icon" href="data:,">'
             "<title>What the class learned</title>"
@@ -285,5 +286,5 @@ def page(assignments, histories, unread, picture_of):
             f'<h2 id="monday">What to teach on Monday</h2>\n{_monday(assignments)}'
             f"<nav aria-label=\"Assignments\"><ul>{contents}</ul></nav>\n"
             f"{''.join(_part(one, histories[one.feature.stem], picture_of) for one in assignments)}"
-            f'<h2 id="word">Who needs a word</h2>\n{_need_a_word(assignments, histories)}'
+            f'<h2 id="word">Whom to talk to</h2>\n{_need_a_word(assignments, histories)}'
             "</main></body></html>\n")
