@@ -61,7 +61,8 @@ def _is_reference_text(suite):
 def _notes(suite):
     """Remarks for the instructor beside the points."""
     stem, hung = suite.feature.stem, sum(verdict.timed_out for verdict in suite.verdicts.values())
-    notes = [*suite.remarks, *([f"{stem}: {hung} claims timed out"] if hung else [])]
+    claims = "1 claim" if hung == 1 else f"{hung} claims"
+    notes = [*suite.remarks, *([f"{stem}: {claims} timed out"] if hung else [])]
     if suite.unit.is_reference:
         notes.append(f"{stem}: this is the reference")
     elif _is_reference_text(suite):

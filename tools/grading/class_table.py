@@ -55,7 +55,9 @@ class Table:
         except (OSError, ValueError, csv.Error) as error:
             raise ToolError(f"{path} cannot be read ({error}); choose another folder for OUT") from error
         if rows and rows[0] != self._heading:
-            raise ToolError(f"{path} has other columns ({', '.join(rows[0])}); choose another folder for OUT")
+            others = [name for name in rows[0] if name not in self._heading]
+            raise ToolError(f"{path} has other columns ({', '.join(others or rows[0])}): results of other "
+                            f"assignments need another folder, such as OUT=results/{stems[0]}")
         self._rows = {results.text_of_cell(row[0]): row for row in rows[1:] if row}
 
     def put(self, name, found, more=""):

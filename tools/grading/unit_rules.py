@@ -331,6 +331,6 @@ def fault_in_names(obj, kit, with_line=str):
         return ""
     advice = {_INSTEAD[name]: None for name in obj.undefined if name in _INSTEAD}  # each once
     return "; ".join([
-        f"uses {' and '.join(strange[:3])}, which a unit may not: it may call the kit's functions that need "
-        "no files and no threads, those of math.h, complex.h, string.h and ctype.h, and those for memory, "
-        "sorting, printing and numbers in text of stdlib.h and stdio.h", *advice])
+        f"uses {' and '.join(strange[:3])}, which is not allowed: a unit may call the kit's functions that "
+        "need no files and no threads, those of math.h, complex.h, string.h and ctype.h, and those for "
+        "memory, sorting, printing and numbers in text of stdlib.h and stdio.h", *advice])
