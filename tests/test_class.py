@@ -21,7 +21,7 @@ from unittest import mock
 import test_grade
 from test_grade import FEATURES, SOURCE, put, read, run
 from grading import build
-from grading import class_jobs
+from grading import parallel_jobs
 from grading import private_copy
 from grading import sandbox
 from grading.assignments import MachineError, Unit
@@ -78,7 +78,7 @@ def expected(folder, size):
 
 def at_once_is_the_same(folder):
     place, rows = expected(folder, 5)
-    out = os.path.join(folder, "at once")
+    out = os.path.join(folder, "at once {} {#} \\")
     with mock.patch.dict(os.environ, SHELL="/bin/false"):
         status, said = grade_class(place, out, "--jobs", "2")
     check(status == 1 and rows_of(out) == rows, "two at once give the same table, whatever one's shell", said)
@@ -94,7 +94,7 @@ def at_once_is_the_same(folder):
 
 
 def lines_that_run_together_lose_nobody(folder):
-    engine = class_jobs.Engine(2, [], folder)
+    engine = parallel_jobs.Engine(2, [], folder)
     said = [(ended.number, ended.fault) for ended in engine.run(
         ["sh", "-c", 'printf \'{"number": 1}{"number": 2}\'; test "$2" != 3', "sh"], [1, 2, 3])]
     check(sorted(said) == [(1, ""), (2, ""), (3, "its grader was ended, by status 1")],
@@ -284,7 +284,7 @@ def other_programs_of_that_name(folder):
     put("#!/bin/sh\necho 'parallel: invalid option'\n", folder, "tools", "parallel")
     os.chmod(os.path.join(folder, "tools", "parallel"), 0o755)
     with mock.patch.dict(os.environ, PATH=os.path.join(folder, "tools") + ":" + os.environ["PATH"]):
-        check(class_jobs.find_parallel() == "", "moreutils' parallel is not GNU's")
+        check(parallel_jobs.find_parallel() == "", "moreutils' parallel is not GNU's")
         status, said = grade_class(place, os.path.join(folder, "without"), "--jobs", "2")
         check(status == 2 and "need GNU parallel" in said, "JOBS without GNU parallel is told", said)
         _, said = grade_class(place, os.path.join(folder, "expected 5"))
@@ -298,7 +298,7 @@ def main():
     sandbox.prepare()
     folder = tempfile.mkdtemp(prefix="raykit-test-class-")
     try:
-        if not class_jobs.find_parallel() or test_grade.NO_SANDBOX:
+        if not parallel_jobs.find_parallel() or test_grade.NO_SANDBOX:
             print("1..0 # SKIP needs GNU parallel and bubblewrap")
             return 0
         for claim in (at_once_is_the_same, lines_that_run_together_lose_nobody,

@@ -16,7 +16,7 @@ import sys
 import tempfile
 import zlib
 
-from drivers import Drivers, driver_of, private_folder
+from drivers import made_driver
 from grading import build, last_check
 from grading.assignments import Parser, ToolError, choose, find_unit, read_features, read_looks, run_command
 from grading.processor_time import limited
@@ -94,22 +94,6 @@ def _unsolved(feature, impl):
     return unsolved_steps(unit) if unit and unit.path else []
 
 
-def _driver(toolchain, impl, feature, stack):
-    """Returns a driver that no other process replaces, and the name by which users run it."""
-    if not impl:
-        path = os.path.join("assignments", feature.folder, feature.stem)
-        return os.path.join(toolchain.build, path), path
-    folder = stack.enter_context(private_folder(toolchain))
-    drivers = Drivers(toolchain, impl, folder, feature.stem)
-    if not drivers.sentence():
-        print(f"{impl} has no {feature.stem}.c: drawn by the kit's own units")
-    driver, reason = drivers.link(feature)
-    drivers.publish(feature, driver, reason)
-    if not driver:
-        raise ToolError("there is no driver, for the reason above")
-    return driver, driver_of(feature)
-
-
 def _draw_both(driver, path, look, unsolved):
     """Returns what the driver said of the comparison."""
     try:
@@ -140,7 +124,7 @@ def draw(toolchain, impl, stem, step):
     feature = choose(features, [stem])[0]
     look = choose_look(feature, step)
     with contextlib.ExitStack() as stack:
-        driver, path = _driver(toolchain, impl, feature, stack)
+        driver, path = made_driver(toolchain, impl, feature, stack)
         print(f"step {look.step}: {look.caption}\n{path} {look.options}", flush=True)
         unsolved = _unsolved(feature, impl)
         compared = _draw_both(driver, path, look, unsolved).rstrip("\n")

@@ -16,7 +16,7 @@ import sys
 import tempfile
 
 from grading import build
-from grading.assignments import (Parser, check_impl, find_unit, read_features, reference_unit,
+from grading.assignments import (Parser, ToolError, check_impl, find_unit, read_features, reference_unit,
                                  unit_beside, run_command)
 from grading.results import cannot_write, write_whole
 from grading.starters import is_left_open, is_starter
@@ -191,6 +191,23 @@ class Drivers:
         write_whole(script, "#!/bin/sh\nexit 1\n")
         os.chmod(script, 0o755)
         os.replace(script, driver)
+
+
+def made_driver(toolchain, impl, feature, stack):
+    """Returns a driver, one with student's units until the stack is closed, and the name by which users run
+    it."""
+    if not impl:
+        path = os.path.join("assignments", feature.folder, feature.stem)
+        return os.path.join(toolchain.build, path), path
+    folder = stack.enter_context(private_folder(toolchain))
+    drivers = Drivers(toolchain, impl, folder, feature.stem)
+    if not drivers.sentence():
+        print(f"{impl} has no {feature.stem}.c: drawn by the kit's own units")
+    driver, reason = drivers.link(feature)
+    drivers.publish(feature, driver, reason)
+    if not driver:
+        raise ToolError("there is no driver, for the reason above")
+    return driver, driver_of(feature)
 
 
 def link_drivers(toolchain, impl, only=None):

@@ -14,7 +14,6 @@ import os
 import random
 import re
 import shutil
-import signal
 import subprocess
 import sys
 import tempfile
@@ -36,6 +35,7 @@ from grading.assignments import (
     check_impl, choose, choose_format, handed_in, ignored_in, missing_unit, read_features, read_points,
     submitted_unit, unit_beside, units_of_suite,
 )
+from grading.parallel_jobs import processors, stop_on_signals
 from grading.starters import is_starter
 from grading.verdicts import Verdict, judge, judge_kept_data, judge_leaks, make_secret
 
@@ -384,11 +384,6 @@ def _run_decoys(toolchain, suite, count, seconds, megabytes):
             return
 
 
-def processors():
-    """Returns how many processors this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-
-
 def grade(toolchain, suites, units, seconds, megabytes=MEGABYTES, progress=None, decoys=DECOYS, record=None):
     """Builds all suites, then runs them, on all processors or as many as the toolchain says, with `units` for
     what they need beside their own; fills in their verdicts. All are built before any unit runs, and so could
@@ -663,23 +658,6 @@ def check_seed():
     if not re.fullmatch(r"[0-9]{0,10}", sandbox.seed()) or int(sandbox.seed() or 0) >= 1 << 32:
         raise ToolError(f"SEED: {sandbox.seed()} is no whole number from 0 to 4294967295, from which the "
                         "suites draw their random cases")
-
-
-def stop_on_signals():
-    """SIGTERM and SIGHUP end a script as Ctrl-C does: with everything that it started. A second one would
-    only end the cleaning up, which does not take long, so it changes nothing."""
-    numbers = [signal.SIGTERM, signal.SIGHUP]
-    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # it is ignored in the background
-        numbers.append(signal.SIGINT)
-
-    def interrupt(_number, _frame):
-        for number in numbers:
-            signal.signal(number, lambda *_: None)  # with SIG_IGN, Python complains of one under way
-        raise KeyboardInterrupt
-
-    if threading.current_thread() is threading.main_thread():
-        for number in numbers:
-            signal.signal(number, interrupt)
 
 
 def show_progress(done, total):

@@ -18,6 +18,7 @@ from grading import bubblewrap
 from grading import build
 from grading import class_jobs
 from grading import integrity
+from grading import parallel_jobs
 from grading import private_copy
 from grading import results
 from grading import sandbox
@@ -28,7 +29,8 @@ from grading.assignments import (
 )
 from grading.class_table import Table
 from grading.collect_write import TABLE
-from grade import check_seed, processors, stop_on_signals
+from grading.parallel_jobs import processors, stop_on_signals
+from grade import check_seed
 from grade_one import ELSEWHERE, ENDINGS, Grader, student_of, summary
 
 _SHOWN = 3  # claims that the class failed most often
@@ -105,21 +107,15 @@ def _check_out(out, submissions):
 
 
 def _engine(arguments, sandboxed):
-    """Returns the class_jobs.Engine, or None for one submission after the other, on all processors."""
-    text, hosts = arguments.jobs or "", (arguments.hosts or "").split()
-    if not re.fullmatch(r"([1-9][0-9]{0,3})?", text):
-        raise ToolError(f"JOBS={text}: give how many submissions are graded at once, from 1 on")
+    """Returns the parallel_jobs.Engine, or None for one submission after the other, on all processors."""
+    hosts = (arguments.hosts or "").split()
+    jobs = parallel_jobs.read_jobs(arguments.jobs or "", "submissions are graded")
     if not sandboxed:  # who changed the kit shows only between two
-        if int(text or 1) > 1 or hosts:
+        if jobs > 1 or hosts:
             raise ToolError("without a sandbox, submissions are graded one after the other: leave out JOBS "
                             "and HOSTS")
         return None
-    if not text and not hosts and not class_jobs.find_parallel():
-        print("grade-class: one after the other, as GNU parallel is not installed (Debian: apt-get install "
-              "parallel)", flush=True)
-        return None
-    jobs = int(text or processors())
-    return class_jobs.Engine(jobs, hosts, arguments.out) if jobs > 1 or hosts else None
+    return parallel_jobs.choose_engine("grade-class", jobs, hosts, arguments.out)
 
 
 class _Class:
@@ -219,7 +215,7 @@ def _work(job, numbers, command):
     """Grades these; ends early where this machine fails again and again."""
     left = set(numbers)
     jobs = (job.engine.run(command(max(1, processors() // job.engine.jobs)), numbers) if job.engine
-            else class_jobs.one_by_one(command(processors()), numbers, job.begin))
+            else parallel_jobs.one_by_one(command(processors()), numbers, job.begin))
     for ended in jobs:
         left.discard(ended.number)
         if ended.fault:

@@ -9,6 +9,7 @@
 #include "io/png.h"
 
 #include <ctype.h>
+#include <inttypes.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -120,12 +121,16 @@ static scale_text text_of(const rk_driver_scale *scale)
 static bool write_picture(const rk_driver *driver, const char *path, const char *seconds,
                           rk_error *error)
 {
-    char samples[16], triangles[16], black[16], frame[16];
+    char samples[16], triangles[16], black[16], frame[16], rays[24] = "", deviation[16] = "";
     const rk_picture_subject subject = rk_picture_subject_of(&driver->image);
     snprintf(black, sizeof black, "%.3f", subject.black);
     snprintf(frame, sizeof frame, "%.3f", subject.frame);
     snprintf(samples, sizeof samples, "%u", driver->render.samples);
     snprintf(triangles, sizeof triangles, "%u", driver->scene.mesh.triangle_count);
+    if (rk_counters_rays(&driver->counters) > 0)
+        snprintf(rays, sizeof rays, "%" PRIu64, rk_counters_rays(&driver->counters));
+    if (driver->counters.estimated_error > 0)
+        snprintf(deviation, sizeof deviation, "%.4g", driver->counters.estimated_error);
     const scale_text scale = text_of(&driver->scale);
     const rk_png_text all[] = {
         {"Software", "raykit " PACKAGE_VERSION},
@@ -134,7 +139,9 @@ static bool write_picture(const rk_driver *driver, const char *path, const char 
         {"raykit:triangles", triangles},
         {"raykit:samples", samples},
         {"raykit:seconds", seconds},
-        {"raykit:black", black}, /* weaving refuses pictures of which little can be seen */
+        {"raykit:rays", rays},
+        {"raykit:error", deviation}, /* as adaptive sampling estimates it, relative */
+        {"raykit:black", black},     /* weaving refuses pictures of which little can be seen */
         {"raykit:frame", frame},
         {"raykit:units", rk_implementation_note},
         {"raykit:scale", scale.text},
