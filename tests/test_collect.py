@@ -88,7 +88,8 @@ class Class:
 
     def files(self, out="out"):
         return sorted(os.path.relpath(os.path.join(where, name), self.path(out))
-                      for where, _, names in os.walk(self.path(out)) for name in names)
+                      for where, _, names in os.walk(self.path(out)) for name in names
+                      if name != ".collected.json")
 
     def __str__(self):
         """What a failed claim shows."""
@@ -123,7 +124,8 @@ def moodles_folders_are_read(top):
           one.rows["1001"]["submitted"] == "2026-10-05 22:00:00 +0200", "by what a time is known is said",
           one)
     check(list(one.rows) == ["1001", "1002", "1003", "1004", "1005"] and one.rows["1003"]["submission"] == ""
-          and one.rows["1003"]["remarks"] == "missing" and "nothing of Kim Lou (1003)" in one.said,
+          and one.rows["1003"]["remarks"] == "missing"
+          and "no work collected from Kim Lou (1003)" in one.said,
           "collected.csv has a row for each student, and missing ones are said", one)
     one = Class(top).collect(zipped((moodle("A-Ann Mason"), "ann"),
                                     (moodle("A-Tom Jarvis"), "tom")))
@@ -254,7 +256,8 @@ def nobody_is_guessed(top):
         ("klou2_bloom.c", "who")))
     check(one.status == 1 and one.files() == ["collected.csv"], "names that fit in part fit nobody", one)
     check("it fits Ann Mason (1001) and Ann Mason (1006); give the right one a pattern in the roster, "
-          "such as Ann Mason_123456_assignsubmission_file_" in one.said, "two of a name are listed",
+          "such as Ann Mason_123456_assignsubmission_file_" in one.said
+          and "; Moodle's number is another in each assignment" in one.said, "two of a name are listed",
           one)
     one = Class(top, "id,name,email,pattern\n1001,Ann Mason,a@uni.edu,Ann Mason_1_*\n"
                      "1006,Ann Mason,b@uni.edu,Ann Mason_2_*\n").collect(
@@ -276,6 +279,71 @@ def nobody_is_guessed(top):
                               "notes.txt": "", "Kim Lou/bloom.c": "kim"})
     check(one.status == 1 and one.work() == "ann" and "Stranger: it fits nobody" in one.said
           and "no work, so ignored: notes.txt" in one.said, "a stranger's folder is not taken apart", one)
+
+
+def what_was_not_collected_is_not_missing(top):
+    """So that nobody gets 0 points for work that is there."""
+    def remarks(one, *names):
+        return [one.rows[name]["remarks"] for name in names]
+
+    one = Class(top, ROSTER + "1006,Ann Mason,other@uni.edu,B\n1007,Eve Fox,efox@uni.edu,B\n").collect(
+        zipped((moodle("Ann Mason"), "whose"), (moodle("Zoë van der Berg", 9, "report.pdf"), "%PDF"),
+               (moodle("Jörg Müller", 8, "w.7z"), b"7z\xbc\xaf\x27\x1c" + bytes(99)),
+               (moodle("A-A Stranger", 7), "of A")))
+    check(all("not collected: Ann Mason_123456_assignsubmission_file_: it fits Ann Mason (1001) and" in text
+              for text in remarks(one, "1001", "1006", "1007")),
+          "of namesakes, and their groups, nobody is missing", one)
+    check(remarks(one, "1002")[0].startswith("not collected: w.7z: 7z archives") and
+          remarks(one, "1005") == ["not collected: handed in, but no bloom.c; found: report.pdf"],
+          "nor is who handed in a 7z or a PDF", one)
+    check(all(text.startswith("not collected: A-A Stranger_7_assignsubmission_file_: it fits nobody")
+              for text in remarks(one, "1003", "1004")) and not any(row["submission"]
+                                                                    for row in one.rows.values()),
+          "nor is a group, one of which is not on the roster", one)
+    one = Class(top, ROSTER + "1006,Ann Mason,other@uni.edu,\n").collect(
+        zipped(("masonann_5_901_report.pdf", "%PDF"), ("loukim_5_7_bloom.c", "kim")))
+    check(all(text.startswith("not collected: masonann_5_901_report.pdf") for text in
+              remarks(one, "1001", "1006")), "nor are namesakes, one of whom handed in a PDF", one)
+    one = Class(top).collect(zipped((moodle("Group A"), "of A")))
+    check(all("it fits nobody" in text for text in remarks(one, "1003", "1004"))
+          and remarks(one, "1001") == ["missing"], "nor is a group that handed in by its name", one)
+    one = Class(top)
+    put(one.path("folder"), {"Ann Mason/bloom.c": "x" * (5 << 20), "Kim Lou/bloom.c": "x"})
+    one.collect(one.path("folder"))
+    check(remarks(one, "1001") == ["not collected: bloom.c: it is larger than 4 MB, and was left out"],
+          "nor is who handed in too much", one)
+    one = Class(top).collect(zipped((moodle("Ann Mason"), "1"), (moodle("Ann Mason", 1, "a/shading.c"), "2"),
+                                    (moodle("Ann Mason", 1, "b/shading.c"), "3")),
+                             stems=("shading", "bloom"))
+    check(one.rows["1001"]["submission"] == "1001" and "not collected: shading.c: nobody knows which" in
+          one.rows["1001"]["remarks"], "of two assignments the one that was not collected is said", one)
+    check({row["assignments"] for row in one.rows.values()} == {"bloom shading"},
+          "collected.csv says for which assignments it was made", one)
+    one = Class(top).collect({f"Who{number}/bloom.c": "x" for number in range(60)})
+    listed = one.path("out", "collected.txt")
+    check("and 20 more" in one.said and f"all of these are in {listed}" in one.said and one.status == 1
+          and read(listed).count("fits nobody") == 60, "what is too much for the screen is in a file", one)
+    found = grade_class.submissions_in(one.collect({"Ann Mason/bloom.c": "x"} | {
+        f"Who{number}/bloom.c": "x" for number in range(60)}).path("out"))
+    check(list(found[0]) == ["1001"] and not found[1] and one.status == 1,
+          "which is written anew, and nobody's work", f"{found} {one}")
+    one = Class(top).collect(zipped((moodle("Ann Mason", file="report.pdf"), "%PDF")), stems=())
+    check("handed in, but no C file of an assignment; found: report.pdf" in one.said,
+          "what else was handed in is named, and not all assignments", one)
+
+
+def patterns_last(top):
+    """A pattern that is proposed fits the next delivery, too, where the platform allows."""
+    for name, pattern in (("schmidtemil_LATE_4404_901_bloom.c", "schmidtemil*_4404_*"),
+                          ("Homework 3_eschmidt_attempt_2026-10-05-23-11-02_bloom.c", "*_eschmidt_attempt_*"),
+                          ("e[s]_bloom.c", "e[[]s]_*"), ("Emil S.zip", "Emil S.zip")):
+        data = zipped(("bloom.c", "x")) if name.endswith("zip") else "x"
+        one = Class(top).collect(zipped((name, data), ("Ann Mason/bloom.c", "y")))
+        check(f"such as {pattern}, or add the student to the roster" in one.said,
+              f"for {name} the pattern {pattern} is proposed", one)
+        one = Class(top, f"id,name,email,pattern\n7,Emil,x@uni.edu,{pattern}\n8,Ann Mason,,\n").collect(
+            zipped((name, data), ("Ann Mason/bloom.c", "y")))
+        check(one.work("7") == "x", "and fits", one)
 
 
 def a_group_has_one_submission(top):
@@ -328,12 +396,77 @@ def deadlines_are_kept(top):
                 DUE)
     check(one.status == 1 and one.rows["1001"]["days_late"] == "?" and "time of the download" in one.said,
           "times that are the download's are nobody's", one)
+    check(one.said.count("time of the download") == 1 and "Ann Mason (1001), Kim Lou (1003)" in one.said
+          and "0 late; lateness unknown: 3)" in one.said,
+          "which is said once, and nobody counts as late", one)
+    one.collect(files, "--due", DUE[:-6], "--until", "3")
+    zone = f"{datetime.datetime(2026, 10, 5, 23).astimezone():%z}"
+    check(f"DUE says no time zone, so it was taken in this machine's, {zone}" in one.said
+          and ", taken up to 3 days late; 1 late)" in one.said,
+          "the zone that is taken, and UNTIL, are said", one)
     for options, said in ((("--due", "5.10.2026"), "write the date, the time and the zone"),
                           (("--grace", "2"), "GRACE counts from the deadline"),
+                          (("--until", "2"), "UNTIL counts from the deadline"),
                           (("--due", DUE, "--until", "soon"), "a number of days")):
         one.collect(files, *options, out="other")
         check(one.status == 2 and said in one.said and not os.path.exists(one.path("other")),
               f"{options[-1]} is refused", one)
+
+
+def the_last_upload_counts(top):
+    """However it is named, and wherever it lies."""
+    def of_ann(*files):
+        return Class(top).collect(zipped(*((moodle("Ann Mason", 1, name), text, time)
+                                           for name, text, time in files)))
+
+    one = of_ann(("bloom.c", "old", at(4, 10)), ("bloom (1).c", "new", at(4, 20)))
+    check(one.work() == "new" and one.status == 0 and "bloom.c was bloom (1).c" in one.rows["1001"]["remarks"]
+          and "another bloom.c was not taken: bloom.c" in one.rows["1001"]["remarks"],
+          "a later upload counts before an earlier one of the plain name", one)
+    one = of_ann(("bloom.c", "new", at(4, 20)), ("bloom (1).c", "old", at(4, 10)))
+    check(one.work() == "new" and "not taken: bloom (1).c" in one.rows["1001"]["remarks"],
+          "times count before numbers", one)
+    one = of_ann(("bloom.c", "old", at(4, 10)), ("bloom (1).c", "mid", at(4, 10)),
+                 ("bloom (2).c", "new", at(4, 10)))
+    check(one.work() == "new" and one.status == 0 and "the highest number was taken"
+          in one.rows["1001"]["remarks"] and "not taken: bloom.c, bloom (1).c" in one.rows["1001"]["remarks"],
+          "of one time the highest number counts, with a remark", one)
+    one = of_ann(("pack.zip", zipped(("pack/workbook/bloom.c", "old")), at(4, 10)),
+                 ("bloom.c", "new", at(4, 20)))
+    check(one.work() == "new" and "not taken: pack.zip/pack/workbook/bloom.c" in one.rows["1001"]["remarks"],
+          "a file after a whole pack counts", one)
+    for files in ((("bloom.c", "x", at(4, 10)), ("sub/bloom (1).c", "y", at(4, 10))),
+                  (("a/bloom.c", "x", at(4, 10)), ("bloom.c", "y", at(4, 10))),
+                  (("Bloom.c", "x", at(4, 10)), ("bloom.c", "y", at(4, 10)))):
+        one = of_ann(*files)
+        check(one.work() is None and one.status == 1 and "nobody knows which" in one.said
+              and "nobody knows which" in one.rows["1001"]["remarks"],
+              f"{files[0][0]} and {files[1][0]} of one time are told", one)
+    one = of_ann(("a/bloom.c", "old", at(4, 10)), ("b/bloom.c", "new", at(4, 20)))
+    check(one.work() == "new" and "not taken: a/bloom.c" in one.rows["1001"]["remarks"],
+          "of two folders the later file counts", one)
+    one = Class(top).collect(zipped((moodle("Ann Mason", 1, "bloom.c"), "in time", at(5, 10)),
+                                    (moodle("Ann Mason", 1, "bloom (1).c"), "late", at(6, 10)),
+                                    (moodle("Ann Mason", 1, "bloom (2).c"), "too late", at(9, 10))),
+                             "--due", DUE, "--until", "2")
+    check(one.work() == "in time" and "a later bloom.c was not taken: bloom (1).c, bloom (2).c"
+          in one.rows["1001"]["remarks"], "the last one in time counts, within a folder, too", one)
+    unit = '#include "own.h"\n'
+    one = of_ann(("bloom.c", unit, at(4, 10)), ("own.h", "old", at(4, 10)), ("bloom (1).c", unit, at(4, 20)),
+                 ("own (1).h", "new", at(4, 20)))
+    check(one.work(name="own.h") == "new" and "own.h was own (1).h" in one.rows["1001"]["remarks"],
+          "the last header counts, too", one)
+    one = of_ann(("bloom.c", unit, at(4, 10)), ("own (1).h", "old", at(4, 10)), ("own.h", "new", at(4, 20)))
+    check(one.work(name="own.h") == "new" and "own.h was" not in one.rows["1001"]["remarks"],
+          "by its time", one)
+    one = of_ann(("bloom.c", unit, at(4, 10)), ("own (1).h", "new", at(4, 10)), ("own.h", "old", at(4, 10)))
+    check(one.work(name="own.h") == "new", "then by its number", one)
+    one = Class(top)
+    put(one.path("mail"), {"amason_bloom.c": "old", "amason_bloom (1).c": "new"},
+        datetime.datetime(2026, 10, 5, 12, tzinfo=ZONE))
+    one.collect(one.path("mail"))
+    check(one.work() == "new" and "not taken: amason_bloom.c" in one.rows["1001"]["remarks"],
+          "saved attachments of one name count by their numbers", one)
 
 
 def files_are_found_under_their_names(top):
@@ -356,6 +489,10 @@ def files_are_found_under_their_names(top):
     one.collect(zipped((moodle("Ann Mason", 1, "pack/workbook/bloom.c"), "own"),
                        (moodle("Ann Mason", 1, "pack/src/features/bloom.c"), "kit's")))
     check(one.work() == "own", "in a whole pack the workbook's counts", one)
+    one.collect(zipped((moodle("Ann Mason", 1, "pack/workbook/bloom.c"), "own", at(4, 10)),
+                       (moodle("Ann Mason", 1, "pack/src/features/bloom.c"), "kit's", at(4, 20))))
+    check(one.work() == "own" and "not taken" not in one.rows["1001"]["remarks"],
+          "even if the kit's has a later time", one)
     one.collect(zipped((moodle("Ann Mason", 1, "bloom.c"),
                         '#include "mine.h"\n#include "features/bloom.h"\n'),
                        (moodle("Ann Mason", 1, "mine.h"), '# include "sub/more.h"\n'),
@@ -489,6 +626,14 @@ def rosters_are_checked(top):
             file.write(text)
         one.collect(good)
         check(one.work("1002") == "joerg" and one.status == 0, f"a roster with {how} is read", one)
+    one = Class(top, "Student ID,Last name,First name,Email address,Group\n1002,Müller,Jörg,,A\n")
+    one.collect(good)
+    check(one.work("1002") == "joerg" and one.rows["1002"]["name"] == "Jörg Müller"
+          and one.rows["1002"]["group"] == "A" and "not used" not in one.said,
+          "a registry's names of columns are read", one)
+    one = Class(top, "id,student id,name,first name,last name,email\n1002,3,Jörg Müller,a,b,\n").collect(good)
+    check(one.work("1002") == "joerg" and "not used: student id, first name, last name" in one.said,
+          "the roster's own go before them", one)
     one = Class(top, ROSTER.replace("group", "gruop")).collect(good)
     check(one.status == 0 and "columns of the roster that are not used: gruop" in one.said,
           "a column of another name is told", one)
@@ -562,6 +707,106 @@ def out_is_replaced_whole(top):
           os.listdir(one.folder))
 
 
+def corrections_stay(top):
+    """What was corrected by hand is not lost when the roster changes, or a late delivery comes."""
+    def correct(one, old, new):
+        text = read(one.path("out", "collected.csv"))
+        check(text.count(old) == 1, f"{old.strip()} is there to be corrected", text)
+        write(text.replace(old, new), one.path("out", "collected.csv"))
+
+    files = (("masonann_LATE_55_901_bloom.c", "ann"), ("loukim_5_7_bloom.c", "kim"))
+    one = Class(top).collect(zipped(*files), "--due", DUE)
+    correct(one, "1001,Ann Mason,amason@uni.edu,,,?,", "1001,Ann Mason,amason@uni.edu,,,2,ill; ")
+    write(ROSTER + "1006,Eve Fox,efox@uni.edu,\n", one.folder, "roster.csv")
+    for time in ("again", "once more"):
+        one.collect(zipped(*files), "--due", DUE)
+        check(one.status == 0 and one.rows["1001"]["days_late"] == "2" and "Ann Mason (1001): days_late was "
+              "corrected by hand, and stays 2" in one.said and "1006" in one.rows,
+              f"a corrected cell stays when it is collected {time}", one)
+        check(one.rows["1001"]["remarks"].startswith("ill; ") and one.rows["1001"]["remarks"].count(
+            "days_late was corrected by hand") == one.rows["1001"]["remarks"].count("ill") == 1,
+              "with a remark, and the instructor's own", one)
+    one.collect(zipped(("masonann_55_909_bloom.c", "ann"), files[1]), "--due", DUE)
+    check(one.status == 1 and one.rows["1001"]["days_late"] == "2" and "from this download it would be 0"
+          in one.said, "it is told if something else is collected now", one)
+    one.collect(zipped(*files), "--due", DUE, "--again")
+    check(one.rows["1001"]["days_late"] == "?" and "ill" not in one.rows["1001"]["remarks"],
+          "AGAIN=yes discards corrections", one)
+    unit = one.path("out", "1001", "bloom.c")
+    write("mended", unit)
+    one.collect(zipped(("masonann_55_901_bloom.c", "ann"), files[1]), "--due", DUE)
+    check(one.status == 0 and one.work() == "mended" and f"{unit} was changed by hand, and stays" in one.said
+          and "bloom.c was changed by hand" in one.rows["1001"]["remarks"], "an edited unit stays", one)
+    one.collect(zipped(("masonann_55_909_bloom.c", "newer"), files[1]), "--due", DUE)
+    check(one.status == 1 and one.work() == "mended" and "a text that was handed in since" in one.said,
+          "it is told if another was handed in", one)
+    one.collect(zipped(files[1]), "--due", DUE)
+    check(one.work() == "mended" and one.rows["1001"]["submission"] == "1001"
+          and "missing" not in one.rows["1001"]["remarks"], "it stays if nothing was handed in", one)
+    one.collect(zipped(files[1]), "--due", DUE)
+    check(one.work() == "mended" and one.rows["1001"]["submission"] == "1001", "and once more", one)
+    write(ROSTER.replace("1001", "2001"), one.folder, "roster.csv")
+    one.collect(zipped(*files), "--due", DUE)
+    check(one.status == 2 and "move it away" in one.said and one.work() == "mended",
+          "no edited unit is lost with the roster", one)
+    write(ROSTER, one.folder, "roster.csv")
+    one.collect(zipped(("masonann_55_909_bloom.c", "newer"), files[1]), "--due", DUE, "--again")
+    check(one.work() == "newer" and one.status == 0, "AGAIN=yes collects units anew", one)
+    correct(one, "\n,1005,Zoë van der Berg,zberg@uni.edu,,,,missing", "\nby_mail,1005,Zoë van der Berg,,,,0,")
+    write("by mail", one.path("out", "by_mail"), "bloom.c")
+    one.collect(zipped(*files), "--due", DUE)
+    check(one.work("by_mail") == "by mail" and one.rows["1005"]["submission"] == "by_mail"
+          and one.rows["1005"]["days_late"] == "0" and "missing" not in one.rows["1005"]["remarks"],
+          "a submission that was put in by hand stays", one)
+    one.collect(zipped(*files), "--due", DUE, stems=("shading",))
+    check(one.status == 2 and "was collected for bloom, and corrected by hand since" in one.said
+          and one.work("by_mail") == "by mail", "no correction is lost to another assignment", one)
+    table = read(one.path("out", "collected.csv"))
+    lines = [",".join(cells[:5] + cells[6:]) for cells in (line.split(",") for line in table.splitlines())
+             if "Müller" not in str(cells)]
+    write("\n".join(lines) + "\n", one.path("out", "collected.csv"))
+    one.collect(zipped(*files), "--due", DUE)
+    check("submitted was corrected" not in one.said and one.rows["1005"]["submission"] == "by_mail",
+          "a column and a row that were removed are written anew", one)
+    write("{", one.path("out", ".collected.json"))
+    one.collect(zipped(*files), "--due", DUE)
+    check(one.status == 2 and "AGAIN=yes" in one.said and one.work("by_mail") == "by mail",
+          "nor where nobody knows what was corrected", one)
+    one.collect(zipped(*files), "--due", DUE, "--again")
+    check(one.status == 1 and one.rows["1001"]["days_late"] == "?" and one.work("by_mail") is None,
+          "AGAIN=yes writes all anew, then, too", one)
+
+
+def students_have_deadlines_of_their_own(top):
+    head, name = "id,name,email,group,due,days_late\n", "H_{}_attempt_2026-10-{}-12-00-00_bloom.c"
+    files = zipped((name.format("amason", "07"), "late"), (name.format("amason", "05"), "ann"),
+                   (name.format("klou", "07"), "kim"), (name.format("efox", "09"), "eve"))
+    people = ("1001,Ann Mason,amason@uni.edu,,{},\n1003,Kim Lou,klou@uni.edu,A,,\n"
+              "1004,Tom Jarvis,tjarvis@uni.edu,A,{},\n1007,Eve Fox,efox@uni.edu,,,{}\n")
+    due = "2026-10-07 23:59 +0200"
+    one = Class(top, head + people.format(due, due, "1")).collect(files, "--due", DUE, "--until", "2")
+    check(one.work() == "late" and one.rows["1001"]["days_late"] == "0" and f"due {due}, as the roster says"
+          in one.rows["1001"]["remarks"], "a deadline of one's own counts in place of DUE", one)
+    check(one.rows["1003"]["days_late"] == one.rows["1004"]["days_late"] == "0",
+          "a group has the latest of its members", one)
+    check(one.work("1007") == "eve" and one.rows["1007"]["days_late"] == "1"
+          and "days_late as the roster says" in one.rows["1007"]["remarks"],
+          "days late that the roster says count, after UNTIL, too", one)
+    one = Class(top, head + people.format("", "", "")).collect(files, "--due", DUE, "--until", "2")
+    check(one.work() == "ann" and one.rows["1003"]["days_late"] == "2" and one.work("1007") is None,
+          "empty cells change nothing", one)
+    late = zipped(("foxeve_LATE_7_1_bloom.c", "eve"))
+    one = Class(top, head + people.format("", "", "0")).collect(late, "--due", DUE)
+    check(one.status == 0 and one.rows["1007"]["days_late"] == "0", "they answer what Canvas does not say",
+          one)
+    one = Class(top, head + people.format(due[:-6], "", "")).collect(files, "--due", DUE)
+    check(f"due {due}, as" in one.rows["1001"]["remarks"], "without a zone, it is in that of DUE", one)
+    for wrong, said in ((("soon", "", ""), "roster.csv:2: due is soon; write the date"),
+                        (("", "", "-1"), "roster.csv:5: days_late is -1; write a whole number")):
+        one = Class(top, head + people.format(*wrong)).collect(files, "--due", DUE)
+        check(one.status == 2 and said in one.said, f"{said} is refused", one)
+
+
 def make_collects(top):
     one, make = Class(top), os.environ.get("MAKE", "make")
     put(one.folder, {"it's $(all) \"of\" them.zip": zipped((moodle("Ann Mason"), "ann"))})
@@ -571,6 +816,11 @@ def make_collects(top):
                        "GRACE=2", "UNTIL=3")
     check(status == 0 and one.work() == "ann" and "with 2 hours of grace" in said,
           "make collect hands all on", said)
+    write("mended", one.path("out", "1001", "bloom.c"))
+    for again, work in ((), "mended"), (("AGAIN=yes",), "ann"):
+        run(".", make, "-s", "collect", f"DOWNLOAD={one.path('it')}'s $(all) \"of\" them.zip",
+            f"ROSTER={one.path('roster.csv')}", f"OUT={one.path('out')}", "ASSIGNMENTS=bloom", *again)
+        check(one.work() == work, f"make collect {' '.join(again)} gives {work}", one)
     status, said = run(".", make, "-s", "collect", "roster=x")
     check(status != 0 and "write it in capitals: ROSTER" in said, "small letters are told", said)
     status, said = run(".", make, "-s", "collect", "ASSIGNMENTS=bloom")
@@ -582,9 +832,11 @@ def main():
     try:
         for claims in (moodles_folders_are_read, canvas_files_are_read, blackboards_files_are_read,
                        gradescopes_export_is_read, clones_and_mail_are_read, names_in_all_spellings_are_one,
-                       nobody_is_guessed, a_group_has_one_submission, deadlines_are_kept,
+                       nobody_is_guessed, what_was_not_collected_is_not_missing, patterns_last,
+                       a_group_has_one_submission, deadlines_are_kept, the_last_upload_counts,
                        files_are_found_under_their_names, archives_are_unpacked, wicked_archives_do_no_harm,
-                       bombs_do_not_go_off, rosters_are_checked, out_is_replaced_whole, make_collects):
+                       bombs_do_not_go_off, rosters_are_checked, out_is_replaced_whole, corrections_stay,
+                       students_have_deadlines_of_their_own, make_collects):
             claims(top)
     finally:
         shutil.rmtree(top, ignore_errors=True)

@@ -234,11 +234,20 @@ def other_points_are_not_replaced_in_silence(top):
 
 
 def who_is_not_collected_is_not_missing(top):
-    one = Course(top, ONE, COLLECTED.replace(",,,,missing", ",,,,the group G1 has nobody"))
+    one = Course(top, ONE, COLLECTED.replace(",,,,missing", ",,,,not collected: the group G1 has nobody"))
     one.book("csv", "--missing", "0")
-    check("=HYPERLINK(1) (1005): no work was collected: the group G1 has nobody" in one.said
+    check("=HYPERLINK(1) (1005): not collected: the group G1 has nobody" in one.said
           and one.status == 1 and ",100,,not collected" in one.data.decode(),
           "whose work was not collected gets no 0", one)
+    two = Course(top, TWO,
+                 COLLECTED.replace("by the archive's time", "not collected: bloom.c: which counts?"))
+    rows = {row["id"]: row for row in csv.DictReader(io.StringIO(two.book("csv").data.decode()))}
+    check((rows["1001"]["bloom"], rows["1001"]["shading"], rows["1001"]["note"]) == ("", "9", "not collected")
+          and "not collected: bloom.c: which counts?" in two.said, "nor for a unit that was left out", two)
+    one = Course(top, ONE, COLLECTED.replace("by the archive's time", "too late,shading"))
+    one.book("csv")
+    check(one.status == 2 and "collected for shading, and the results are of bloom" in one.said,
+          "another assignment's table is refused", one)
     one = Course(top).book("moodle", "--missing", "0",
                            template=MOODLE.replace("No submission", "Submitted for grading - Late"))
     check("=HYPERLINK(1) (1005) submitted something" in one.said and 5 not in moodle_reads(one.data),

@@ -28,7 +28,7 @@ from grading.assignments import (
     is_misnamed_c, read_features, read_points,
 )
 from grading.class_table import Table
-from grading.collect_write import TABLE
+from grading.collect_write import LIST, RECORD, TABLE
 from grading.parallel_jobs import processors, stop_on_signals
 from grade import check_seed
 from grade_one import ELSEWHERE, ENDINGS, Grader, student_of, summary
@@ -50,7 +50,7 @@ def submissions_in(folder):
     found, strays = {}, []
     for entry in sorted(os.listdir(folder)):
         path, stem = os.path.join(folder, entry), entry.removesuffix(".c")
-        if entry == TABLE:
+        if entry in (TABLE, LIST, RECORD):
             continue  # make collect's
         if entry.startswith("."):
             strays += [] if _LEFT_BEHIND.fullmatch(entry) else [entry]

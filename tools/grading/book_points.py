@@ -75,11 +75,15 @@ class Grade:
         return None if None in self.points.values() else sum(self.points.values())
 
 
+_NOT_COLLECTED = "not collected: "  # as make collect remarks, before the reason
+
+
 def _grade_of(row, results, percent, missing):
     """Returns a student's Grade, and what the instructor has to look at."""
     nothing = dict.fromkeys(results.stems)
-    if not row["submission"] and row["remarks"] != "missing":
-        return Grade(row, nothing, "not collected"), f"no work was collected: {row['remarks']}"
+    remarks = row.get("remarks", "")
+    if not row["submission"] and _NOT_COLLECTED in remarks:
+        return Grade(row, nothing, "not collected"), remarks
     if not row["submission"]:
         return Grade(row, dict.fromkeys(results.stems, missing), "missing"), ""
     if row["submission"] not in results.rows:
@@ -93,6 +97,9 @@ def _grade_of(row, results, percent, missing):
         days = int(float(days))
         points = {stem: most if most is None else with_penalty(most, percent, days)
                   for stem, most in points.items()}
+    left_out = [stem for stem in points if f"{_NOT_COLLECTED}{stem}.c:" in remarks]
+    if left_out:
+        return Grade(row, {**points, **dict.fromkeys(left_out)}, "not collected"), remarks
     lacking = [stem for stem, count in points.items() if count is None]
     fault = f"{', '.join(lacking)} could not be graded ({results.path} has the reason)" if lacking else ""
     return Grade(row, points, "not graded" if lacking else ""), fault
@@ -101,6 +108,11 @@ def _grade_of(row, results, percent, missing):
 def grades_of(results, roster, percent, missing):
     """Returns a Grade for each student, and sentences on what the instructor has to look at."""
     rows, faults, grades = read_collected(roster), [], []
+    collected = {stem for row in rows for stem in row.get("assignments", "").split()}
+    others = [stem for stem in results.stems if collected and stem not in collected]
+    if others:
+        raise ToolError(f"ROSTER: {roster} was collected for {', '.join(sorted(collected))}, and the results "
+                        f"are of {', '.join(others)}: each has a table of its own")
     if percent and not any(row["days_late"] for row in rows):
         raise ToolError(f"PENALTY: {roster} does not say how late anybody was; give make collect DUE=")
     for row in rows:

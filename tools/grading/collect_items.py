@@ -4,7 +4,7 @@ import os
 import re
 
 from grading import collect_gradescope
-from grading.collect_names import Matcher, read_name
+from grading.collect_names import Matcher, letters, read_name
 from grading.collect_roster import team_of
 
 _DEEPEST = 3  # folders or archives around those of students
@@ -43,6 +43,17 @@ def _as_pattern(name):
     return re.sub(r"([*?[])", r"[\1]", name)
 
 
+def _pattern_for(name, reading, units):
+    """Returns a glob that fits this name and, where the platform allows, what this student delivers later. A
+    number of Moodle's is of one assignment."""
+    if reading.form == "Canvas":
+        return f"{_as_pattern(reading.names[0])}*_{reading.ids[0]}_*"
+    if reading.form == "Blackboard":
+        return f"*_{_as_pattern(reading.logins[-1])}_attempt_*"
+    who = "" if reading.form else units.before(re.sub(r"\.\w+$", "", name))
+    return _as_pattern(name[:len(who) + 1]) + "*" if who else _as_pattern(name)
+
+
 class Items:
     """Sorts a download: `items` are somebody's, `faults` sentences on what is nobody's or cannot be read,
     `ignored` names of what is no work. `source` is the download's path."""
@@ -52,7 +63,7 @@ class Items:
         self._matcher = Matcher(students)
         self._groups = {student.group for student in students if student.group}
         self.items, self.faults, self.ignored = [], [], []
-        self.unread = {}  # by student: what could not be read
+        self.unread = {}  # by student: what may be theirs, and was not collected
         for item in self._look(download.files, ()):
             self._sort(item)
         for parts, fault in download.faults:
@@ -117,12 +128,27 @@ class Items:
             self.items.append(item)
         elif not self._has_work(item):
             self.ignored.append(str(item))
+            self._withhold(item.students, f"{item}: it is one of several students', and no work")
         else:
             who = sorted(map(str, item.students))
             reason = (f"it fits {' and '.join(who[:3])}{' and others' * (len(who) > 3)}" if who else
                       "it fits nobody on the roster")
+            self._withhold(item.students or self._of_group(item.reading), f"{item}: {reason}")
+            pattern = _pattern_for(item.parts[-1], item.reading, self.units)
+            only = "; Moodle's number is another in each assignment" if item.reading.form == "Moodle" else ""
             self.faults.append(f"{item}: {reason}; give the right one a pattern in the roster, such as "
-                               f"{_as_pattern(item.parts[-1])}")
+                               f"{pattern}, or add the student to the roster{only}")
+
+    def _of_group(self, reading):
+        """Returns the students of the group that a name says."""
+        said = {letters(name) for name in (reading.group, *reading.names, *reading.ids) if name}
+        return {student for student in self.students if student.group
+                and said & {before + letters(student.group) for before in ("", "group", "team")}}
+
+    def _withhold(self, students, reason):
+        """Notes, for those whom it may be of, what was not collected."""
+        for student in {member for one in students for member in team_of(one, self.students)}:
+            self.unread.setdefault(student, []).append(reason)
 
     def _note(self, parts, fault):
         """A fault of what could not be read, or was left out, is also that of its student."""
@@ -134,8 +160,7 @@ class Items:
         for count in range(1, min(len(parts), _DEEPEST) + 1):
             item = self._read(parts[:count], [])
             if self._is_clear(item):
-                for student in item.students:
-                    self.unread.setdefault(student, []).append(f"{parts[-1]}: {fault}")
+                self._withhold(item.students, f"{parts[-1]}: {fault}")
                 return
 
     def units_of(self, item):

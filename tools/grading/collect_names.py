@@ -14,7 +14,7 @@ _CANVAS = re.compile(r"(?P<name>.+?)(?P<late>_LATE)?_(?P<id>\d+)_"
                      r"(?:(?P<serial>\d+)_(?P<rest>.+)|(?:text|link)\.html)")
 _BLACKBOARD = re.compile(r"(?P<login>.+)_attempt_(?P<time>\d{4}(?:-\d\d){5})(?:_(?P<rest>.+)|\.txt)?")
 _ENDING = re.compile(r"\.(zip|tar|tgz|7z|rar|tar\.\w+|c|c\.txt|h)$", re.IGNORECASE)
-_AGAIN = r"(?:-\d+|[ _]?\(\d+\))*"  # what Canvas and browsers put behind a name that is there already
+AGAIN = r"(?:-\d+|[ _]?\(\d+\))*"  # what Canvas and browsers put behind a name that is there already
 _APART = {"ä": "ae", "ö": "oe", "ü": "ue", "ø": "oe", "å": "aa", "æ": "ae", "đ": "d", "ł": "l"}
 
 
@@ -25,7 +25,8 @@ def plain(text):
     return "".join(char for char in text if unicodedata.category(char) not in ("Cf", "Cc")).casefold().strip()
 
 
-def _letters(text):
+def letters(text):
+    """Returns a text as names are compared: its letters and digits alone."""
     return "".join(char for char in plain(text) if char.isalnum() or unicodedata.category(char)[0] == "M")
 
 
@@ -36,7 +37,7 @@ def _without_accents(text):
 
 def _forms_of(name):
     """A name's words in a row, from each of them on: masonann and annmason for Ann Mason, or Mason, Ann."""
-    words = [word for word in map(_letters, re.split(r"[\s,]+", name)) if word]
+    words = [word for word in map(letters, re.split(r"[\s,]+", name)) if word]
     return {"".join(words[first:] + words[:first]) for first in range(len(words))}
 
 
@@ -46,7 +47,7 @@ class UnitNames:
     def __init__(self, stems):
         self.stems = sorted(stems, key=len, reverse=True)  # the longest that fits counts
         names = "|".join(map(re.escape, self.stems))
-        self._file = re.compile(rf"(?P<before>.*?)(?P<stem>{names})(?P<again>{_AGAIN})\.c(?:\.txt)?",
+        self._file = re.compile(rf"(?P<before>.*?)(?P<stem>{names})(?P<again>{AGAIN})\.c(?:\.txt)?",
                                 re.IGNORECASE | re.DOTALL)
         self._behind = re.compile(rf"(?P<who>.+?)[ _-]+(?:{names})", re.IGNORECASE | re.DOTALL)
 
@@ -68,12 +69,12 @@ class UnitNames:
 class Reading:
     """What the name of a delivered item says: candidates for a student's id, address, login and name, each
     with the longest first; when it came; whether it was late; its number in the platform's order; and the
-    file's own name, if the item is a file that the platform has renamed."""
+    file's own name, if the item is a file that the platform has renamed. `group` is that of the student."""
 
-    def __init__(self, form, ids=(), logins=(), names=(), time=None, late=None, serial=0, rest=""):
+    def __init__(self, form, ids=(), logins=(), names=(), time=None, late=None, serial=0, rest="", group=""):
         self.form, self.ids, self.logins, self.names = form, ids, logins, names
         self.time, self.late, self.serial, self.rest = time, late, serial, rest
-        self.doubts = 0  # submitters who fit several students
+        self.group, self.doubts = group, 0  # submitters who fit several students
 
 
 def _suffixes(text, mark):
@@ -90,7 +91,7 @@ def read_name(name, units, groups=(), is_clone=False):
         # In a course with groups, the group stands before the name.
         group = next((group for group in groups if found["name"].startswith(group + "-")), None)
         who = found["name"][len(group) + 1:] if group else found["name"]
-        return Reading("Moodle", names=[who], rest=found["rest"] or "")
+        return Reading("Moodle", names=[who], rest=found["rest"] or "", group=group or "")
     found = _BLACKBOARD.fullmatch(name)
     if found:
         try:
@@ -104,7 +105,7 @@ def read_name(name, units, groups=(), is_clone=False):
         return Reading("Canvas", ids=[found["id"]], names=[found["name"]], late=bool(found["late"]),
                        serial=int(found["serial"] or 0), rest=found["rest"] or "")
     base = _ENDING.sub("", name)
-    base = re.sub(rf"{_AGAIN}$", "", base) if base != name else name
+    base = re.sub(rf"{AGAIN}$", "", base) if base != name else name
     whole = list(filter(None, [base, units.before(base)]))
     parts = [part for text in whole for part in re.split(" - |_", text)]
     if is_clone:
@@ -153,8 +154,8 @@ class Matcher:
 
     def who(self, ids, emails, logins, names):
         """The same for candidates of each kind."""
-        by_name = self._first("name", names, _letters)
+        by_name = self._first("name", names, letters)
         hits = [self._first("id", ids), self._first("email", emails), self._first("login", logins),
-                by_name or self._first("accents", names, lambda text: _without_accents(_letters(text)))]
+                by_name or self._first("accents", names, lambda text: _without_accents(letters(text)))]
         hits = [found for found in hits if found]
         return (set.intersection(*hits) or set.union(*hits)) if hits else set()

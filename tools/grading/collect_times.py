@@ -1,5 +1,6 @@
 """The deadline of an assignment, and how late a submission is."""
 
+import copy
 import datetime
 import os
 import re
@@ -19,12 +20,24 @@ def _number(name, text, unit):
     return float(text)
 
 
+def moment_of(text):
+    """Returns the time that a deadline says, without its zone, and the zone, None if it says none. Raises
+    ValueError if it is no such time."""
+    found = re.fullmatch(r"(\d{4}-\d\d-\d\d)[ T](\d\d:\d\d)(:\d\d)? ?(Z|[+-]\d\d:?\d\d)?", text.strip())
+    if not found:
+        raise ValueError(text)
+    zone = "" if not found[4] else "+0000" if found[4] == "Z" else found[4].replace(":", "")
+    # A deadline of 23:59 ends with that minute.
+    time = datetime.datetime.fromisoformat(f"{found[1]} {found[2]}{found[3] or ':59'}")
+    return time, datetime.datetime.strptime(zone, "%z").tzinfo if zone else None
+
+
 class Deadline:
     """DUE, a time with its zone; GRACE, hours after it that are not late; UNTIL, the last day late, from the
     end of these on, that is taken. Without DUE nothing is late."""
 
     def __init__(self, due="", grace="", until=""):
-        self.due, self.zone = None, None
+        self.due, self.zone, self.given = None, None, None
         self.grace = datetime.timedelta(hours=_number("GRACE", grace, "hours") or 0)
         self.until = _number("UNTIL", until, "days")
         if not due:
@@ -32,14 +45,8 @@ class Deadline:
                 raise ToolError(f"{'GRACE' if grace else 'UNTIL'} counts from the deadline; say that, too: "
                                 'DUE="2026-10-05 23:59 +0200"')
             return
-        found = re.fullmatch(r"(\d{4}-\d\d-\d\d)[ T](\d\d:\d\d)(:\d\d)? ?(Z|[+-]\d\d:?\d\d)?", due.strip())
-        zone = "" if not found or not found[4] else "+0000" if found[4] == "Z" else found[4].replace(":", "")
         try:
-            if not found:
-                raise ValueError
-            # A deadline of 23:59 ends with that minute.
-            time = datetime.datetime.fromisoformat(f"{found[1]} {found[2]}{found[3] or ':59'}")
-            self.zone = datetime.datetime.strptime(zone, "%z").tzinfo if zone else None
+            time, self.zone = moment_of(due)
         except ValueError as error:
             raise ToolError(f'DUE={due}: write the date, the time and the zone, such as '
                             'DUE="2026-10-05 23:59 +0200"') from error
@@ -55,18 +62,37 @@ class Deadline:
         return time.astimezone(self.zone)
 
     def days_late(self, time):
-        """Returns the number of days that have begun since the deadline and its grace."""
-        if self.due is None:
-            return 0
+        """Returns the number of days that have begun since the deadline and its grace, or what the roster
+        says."""
+        if self.due is None or self.given is not None:
+            return self.given or 0
         over = self.with_zone(time) - self.due - self.grace
         return max(0, -(-over // _DAY))
 
     def takes(self, days):
-        return self.until is None or days <= self.until
+        return self.until is None or self.given is not None or days <= self.until
+
+    def of(self, team):
+        """Returns the deadline of these students: the latest of theirs and, of those without one, of all; and
+        as days late the fewest that the roster gives one of them."""
+        own = copy.copy(self)
+        own.given = min((int(student.days_late) for student in team if student.days_late), default=None)
+        moments = [moment_of(student.due) for student in team if student.due]
+        dues = [time.replace(tzinfo=zone) if zone else self.with_zone(time) for time, zone in moments]
+        if dues:
+            own.due = max(dues + [self.due] * (self.due is not None and len(dues) < len(team)))
+            own.zone = own.due.tzinfo
+        return own
 
     def __str__(self):
         grace = f", with {self.grace.total_seconds() / 3600:g} hours of grace" if self.grace else ""
-        return f"{self.due:%Y-%m-%d %H:%M %z}{grace}" if self.due else "none"
+        until = "" if self.until is None else f", taken up to {self.until:g} days late"
+        return f"{self.due:%Y-%m-%d %H:%M %z}{grace}{until}" if self.due else "none"
+
+    def zone_taken(self):
+        """Returns a sentence on the zone if DUE says none."""
+        return "" if self.zone or not self.due else (
+            f"DUE says no time zone, so it was taken in this machine's, {self.due:%z}")
 
 
 def _commit_time(folder):
@@ -109,9 +135,10 @@ class Times:
         time = self._deadline.with_zone(found.time_below(len(item.parts)))
         return time, "the file's time" if on_disk else "the archive's time", False
 
-    def of(self, item, found):
-        """Returns when a file of an item was handed in, None if nobody knows, and by what that is known."""
+    def of(self, item, found, deadline):
+        """Returns when a file of an item was handed in, None if nobody knows, and by what that is known.
+        `deadline` is the student's."""
         time, says, is_sure = self._of(item, found)
-        if is_sure or not self._is_download:
+        if is_sure or not self._is_download or deadline.due and not deadline.days_late(time):
             return time, f"by {says}" if time or is_sure else "no time is known"
         return None, "all have the time of the download, so none is known"
