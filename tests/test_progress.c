@@ -234,6 +234,29 @@ static void steps_from_many_threads_all_count(void **state)
     rk_check(screen.text[0] == '\r', "the bar was drawn");
 }
 
+static void a_pipe_gets_a_line_every_ten_seconds_if_wanted(void **state)
+{
+    (void)state;
+    capture screen = open_pipe();
+    rk_progress progress;
+    rk_progress_start(&progress, "rendering", 8, false);
+    rk_progress_in_lines(&progress, false);
+    rk_progress_steps(&progress, 2);
+    let_time_pass(&progress, 11);
+    rk_progress_steps(&progress, 2);
+    rk_progress_step(&progress);
+    let_time_pass(&progress, 11);
+    rk_progress_step(&progress);
+    rk_progress_end(&progress);
+    rk_progress_start(&progress, "rendering", 8, true);
+    rk_progress_in_lines(&progress, true);
+    let_time_pass(&progress, 11);
+    rk_progress_step(&progress);
+    rk_progress_end(&progress);
+    close_screen(&screen);
+    rk_check(strcmp(screen.text, "rendering: 50%\nrendering: 75%\n") == 0, "got: %s", screen.text);
+}
+
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_terminal_shows_label_and_percentage),
     cmocka_unit_test(the_bar_grows_and_clears_itself),
@@ -241,6 +264,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(the_bar_is_drawn_at_most_ten_times_a_second),
     cmocka_unit_test(pipes_and_quiet_terminals_stay_silent),
     cmocka_unit_test(more_steps_than_announced_end_at_the_full_bar),
+    cmocka_unit_test(a_pipe_gets_a_line_every_ten_seconds_if_wanted),
     cmocka_unit_test(steps_from_many_threads_all_count),
 };
 

@@ -125,6 +125,7 @@ function build_rooms() {
     room("stage", "src/render/stages/*.[ch]")
     room("post", "src/post/*.[ch]")
     room("driver", "src/driver/*.[ch]")
+    room("mpi_module", "src/driver/mpi_module/*.[ch]")
     room("mesh_helper", "src/io/mesh_helper/*.[ch]")
     room("image_helper", "src/io/image_helper/*.h src/io/image_helper/*.cpp")
 }

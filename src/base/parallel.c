@@ -16,6 +16,7 @@
 
 struct rk_pool {
     uint32_t threads; /* the caller included */
+    rk_team *team;
     uint32_t started; /* running entries of `workers` */
     pthread_t *workers;
     pthread_mutex_t lock;
@@ -180,6 +181,16 @@ void rk_pool_stop(rk_pool *pool)
 uint32_t rk_pool_threads(const rk_pool *pool)
 {
     return pool->threads;
+}
+
+void rk_pool_join(rk_pool *pool, rk_team *team)
+{
+    pool->team = team;
+}
+
+rk_team *rk_pool_team(const rk_pool *pool)
+{
+    return pool->team;
 }
 
 void rk_pool_run(rk_pool *pool, uint32_t count, rk_task *task, void *context)

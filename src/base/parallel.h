@@ -2,7 +2,7 @@
 #ifndef RK_BASE_PARALLEL_H
 #define RK_BASE_PARALLEL_H
 
-#include "base/error.h"
+#include "base/team.h"
 
 #include <stdint.h>
 
@@ -24,6 +24,11 @@ rk_pool *rk_pool_start(uint32_t threads, rk_error *error);
 void rk_pool_stop(rk_pool *pool);
 
 uint32_t rk_pool_threads(const rk_pool *pool);
+
+/* Renderings by this pool are shared with other processes, of the team that it joined; NULL: they
+ * are not. */
+void rk_pool_join(rk_pool *pool, rk_team *team);
+rk_team *rk_pool_team(const rk_pool *pool);
 
 /* Every thread increments the counter once beyond the last item, so this many fit 32 bits. */
 #define RK_POOL_ITEMS_MAX (UINT32_MAX - RK_THREADS_MAX)

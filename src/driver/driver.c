@@ -3,6 +3,7 @@
 #include "driver/driver.h"
 
 #include "accel/tree.h"
+#include "driver/driver_team.h"
 #include "driver/explain_pixel.h"
 #include "driver/unsolved.h"
 
@@ -71,6 +72,8 @@ static bool time_renders(rk_driver *driver, double *milliseconds, rk_error *erro
     else
         rk_progress_start(&progress, "rendering", driver->runs * rk_render_tiles(&driver->render),
                           driver->quiet);
+    if (driver->team.processes > 1 && progress.total > 0)
+        rk_progress_in_lines(&progress, driver->quiet);
     bool ok = true;
     for (uint32_t run = 0; ok && run < driver->runs; run++) {
         double start = rk_clock_wall();
@@ -146,9 +149,10 @@ int rk_driver_finish(rk_driver *driver, bool ok, const rk_error *error)
     rk_accel_free(&driver->accel);
     rk_accel_free(&driver->unfinished);
     rk_scene_free(&driver->scene);
-    if (ok && fflush(stdout) == 0)
-        return 0;
-    fprintf(stderr, "%s: %s\n", driver->feature,
-            ok ? "standard output could not be written" : error->text);
-    return 1;
+    if (ok && fflush(stdout) != 0)
+        ok = rk_driver_tell(driver, "standard output could not be written");
+    else if (!ok)
+        rk_driver_tell(driver, error->text);
+    rk_driver_end_team(driver, ok);
+    return ok ? 0 : 1;
 }

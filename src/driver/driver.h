@@ -29,6 +29,7 @@ typedef struct rk_driver {
     /* common options */
     rk_render_options render;
     uint32_t threads; /* 0: all processors */
+    bool mpi;         /* render together with the processes that mpirun has started */
     uint32_t runs;    /* builds and renderings; timings are medians */
     rk_accel_kind split;
     uint32_t bins; /* per axis; of the kinds with bins */
@@ -61,6 +62,8 @@ typedef struct rk_driver {
     rk_accel accel;
     rk_accel unfinished; /* its trees find nothing: `accel` has others, see rk_driver_build */
     rk_pool *pool;
+    rk_team team;          /* see driver/driver_team.h; zeroed without --mpi */
+    uint32_t team_threads; /* of all its processes */
     rk_image image;
     rk_driver_scale scale;
     rk_counters counters;

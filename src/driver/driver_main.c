@@ -3,6 +3,7 @@
 #include "driver/driver_main.h"
 
 #include "driver/driver_options.h"
+#include "driver/driver_team.h"
 
 static const rk_driver_view *find_view(const rk_driver_spec *spec, const rk_driver *driver)
 {
@@ -53,7 +54,10 @@ rk_options_result rk_driver_begin(const rk_driver_spec *spec, rk_driver *driver,
 {
     *driver = rk_driver_default(spec->feature, spec->summary);
     rk_driver_set_defaults(driver, spec);
+    if (!rk_driver_join_team(driver, argc, argv, error))
+        return RK_OPTIONS_BAD;
     const rk_options_result result = rk_driver_read_options(driver, spec, argc, argv, error);
+    driver->quiet = driver->quiet || !rk_driver_speaks(driver);
     if (result == RK_OPTIONS_OK && !(rk_driver_start(driver, error) && build(spec, driver, error)))
         return RK_OPTIONS_BAD;
     return result;
@@ -70,6 +74,9 @@ bool rk_driver_draw(const rk_driver_spec *spec, rk_driver *driver, rk_error *err
     rk_driver_note_unused(driver);
     if (!rk_driver_render(driver, error))
         return false;
+    rk_driver_leave_team(driver);
+    if (!rk_driver_speaks(driver))
+        return true;
     return driver->timing ? run_step(spec->put_rows, driver, error) : save(spec, driver, error);
 }
 
@@ -78,7 +85,7 @@ int rk_driver_main(const rk_driver_spec *spec, int argc, char **argv)
     rk_error error = {""};
     rk_driver driver;
     const rk_options_result result = rk_driver_begin(spec, &driver, argc, argv, &error);
-    const bool ok = result == RK_OPTIONS_DONE ||
-                    (result == RK_OPTIONS_OK && rk_driver_draw(spec, &driver, &error));
+    const bool ok = rk_driver_agree(&driver, result != RK_OPTIONS_BAD, &error) &&
+                    (result == RK_OPTIONS_DONE || rk_driver_draw(spec, &driver, &error));
     return rk_driver_finish(&driver, ok, &error);
 }

@@ -1,6 +1,7 @@
 /* The common options, and the combinations that are refused. */
 #include "driver/driver_options.h"
 
+#include "driver/driver_team.h"
 #include "driver/implementation_note.h"
 #include "features/sah_binning.h"
 #include "render/options.h"
@@ -55,6 +56,10 @@ static const rk_option common_rows[] = {
      -360, 360, NAN},
     {"threads", RK_FIELD(rk_driver, threads), "N", "number of threads; 0: one per processor", 0,
      RK_THREADS_MAX, 0, .of_scene = true},
+    {"mpi", RK_FIELD(rk_driver, mpi), NULL,
+     "render the picture together with the other processes that mpirun has started, each with "
+     "--threads",
+     .of_scene = true},
     {"runs", RK_FIELD(rk_driver, runs), "N", "number of builds and renderings; timings are medians",
      1, RK_RUNS_MAX, 1, .of_scene = true},
     {"split", RK_CHOICE(rk_driver, split, split_names),
@@ -290,7 +295,8 @@ rk_options_result rk_driver_read_options(rk_driver *driver, const rk_driver_spec
         rk_options_parse(argc, argv, driver->summary, all.tables, all.count, error);
     rk_driver_note_command(driver, &all);
     if (result == RK_OPTIONS_OK && (!check(driver, spec->views, usual_scene, error) ||
-                                    !check_options_of_views(driver, spec->options, error)))
+                                    !check_options_of_views(driver, spec->options, error) ||
+                                    !rk_driver_check_team(driver, spec, error)))
         return RK_OPTIONS_BAD;
     return result;
 }

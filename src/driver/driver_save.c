@@ -215,7 +215,8 @@ static void print_samples(const rk_driver *driver)
 static void print_rendering(const rk_driver *driver)
 {
     const rk_render_options *render = &driver->render;
-    uint32_t threads = rk_pool_threads(driver->pool);
+    const uint32_t processes = driver->team.processes;
+    uint32_t threads = processes > 0 ? driver->team_threads : rk_pool_threads(driver->pool);
     printf("%u triangle%s", driver->scene.mesh.triangle_count,
            plural(driver->scene.mesh.triangle_count));
     if (driver->mesh_path && driver->framed.triangles < driver->scene.mesh.triangle_count)
@@ -232,6 +233,8 @@ static void print_rendering(const rk_driver *driver)
         printf(", built in %s", duration(driver->build_ms.median).text);
     printf(", rendered in %s on %u thread%s", duration(driver->render_ms.median).text, threads,
            plural(threads));
+    if (processes > 0)
+        printf(" of %u process%s", processes, processes == 1 ? "" : "es");
 }
 
 static void print_caption(const rk_driver *driver, const char *path)

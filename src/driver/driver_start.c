@@ -1,5 +1,6 @@
 /* rk_driver_start of driver/driver.h: from the options to a scene, a picture and threads. */
 #include "driver/driver.h"
+#include "driver/driver_team.h"
 #include "io/environment_file.h"
 #include "io/mesh_file.h"
 #include "scenes/builtin.h"
@@ -51,7 +52,7 @@ static bool load_environment(rk_driver *driver, rk_error *error)
 static void note_strays(const rk_driver *driver)
 {
     const uint32_t all = driver->scene.mesh.triangle_count, framed = driver->framed.triangles;
-    if (framed < all)
+    if (framed < all && rk_driver_speaks(driver))
         fprintf(
             stderr,
             "%s: %s: %u of its %u triangles lie in %.2g %% of its extent; the picture is framed by "
@@ -72,7 +73,8 @@ static bool load_mesh(rk_driver *driver, rk_error *error)
     framing.width = driver->render.width, framing.height = driver->render.height;
     if (!rk_mesh_file_read(&mesh, driver->mesh_path, error))
         return false;
-    if (*error->text) /* a note, also with --quiet: the picture lacks something */
+    if (*error->text &&
+        rk_driver_speaks(driver)) /* a note, also with --quiet: the picture lacks something */
         fprintf(stderr, "%s: %s\n", driver->feature, error->text);
     if (!rk_scene_framed(&driver->scene, slash ? slash + 1 : driver->mesh_path, &mesh, &framing,
                          &driver->framed, error))
@@ -110,8 +112,8 @@ bool rk_driver_start(rk_driver *driver, rk_error *error)
 {
     rk_progress progress;
     rk_progress_say(&progress, "making the scene", driver->quiet);
-    bool ok = rk_driver_try_folder(driver, error) && load_scene(driver, error) &&
-              load_environment(driver, error) &&
+    bool ok = (!rk_driver_speaks(driver) || rk_driver_try_folder(driver, error)) &&
+              load_scene(driver, error) && load_environment(driver, error) &&
               rk_image_init(&driver->image, driver->render.width, driver->render.height, error) &&
               (driver->pool = rk_pool_start(driver->threads, error)) != NULL;
     rk_progress_end(&progress);

@@ -11,6 +11,7 @@
 #include "render/stages/adaptive_sampling_stage.h"
 #include "render/stages/camera_stage.h"
 #include "render/stages/film_stage.h"
+#include "render/tile_run.h"
 #include "render/tiles.h"
 #include "render/time_passes.h"
 
@@ -63,8 +64,6 @@ static void render_tile(uint32_t index, uint32_t thread, void *context)
         rk_film_mean(r, &pass, &film);
     }
     rk_film_stage(&pass.tile, &film, job->image);
-    if (job->progress)
-        rk_progress_step(job->progress);
 }
 
 /* --- The picture ------------------------------------------------------------------------------ */
@@ -97,12 +96,15 @@ static bool prepare_job(render_job *job, rk_pool *pool, rk_error *error)
 static bool render_picture(render_job *job, rk_pool *pool, rk_counters *counters, rk_error *error)
 {
     bool ok = true;
+    rk_image *image = job->image;
+    const rk_tile_run run = {job->rendering.options, image->pixels, sizeof *image->pixels,
+                             job->counters, job->progress};
     *counters = (rk_counters){0};
     if (job->rendering.plan.adaptive_sampling)
-        ok = rk_adaptive_sampling_stage(&job->rendering, job->workspaces, job->counters, job->image,
+        ok = rk_adaptive_sampling_stage(&job->rendering, job->workspaces, job->counters, image,
                                         pool, error);
     else
-        rk_pool_run(pool, rk_tile_count(job->rendering.options), render_tile, job);
+        ok = rk_tile_run_all(&run, pool, render_tile, job, error);
     for (uint32_t i = 0; i < rk_pool_threads(pool); i++)
         rk_counters_add(counters, &job->counters[i]);
     return ok;
@@ -157,7 +159,7 @@ bool rk_render(rk_image *image, const rk_scene *scene, const rk_accel *accel,
         return rk_fail(error,
                        "the renderer needs threads, and an image of the options' size, %u x %u",
                        options->width, options->height);
-    if (!rk_render_check(scene, options, error))
+    if (!rk_team_agree(rk_pool_team(pool), rk_render_check(scene, options, error), error))
         return false;
     const rk_render_options adapted = rk_adaptive_sampling_options_of(options);
     options = &adapted;
@@ -166,7 +168,7 @@ bool rk_render(rk_image *image, const rk_scene *scene, const rk_accel *accel,
         .image = image,
         .progress = progress,
     };
-    bool ok = prepare_job(&job, pool, error);
+    bool ok = rk_team_agree(rk_pool_team(pool), prepare_job(&job, pool, error), error);
     ok = ok && render_picture(&job, pool, counters, error);
     free_job(&job, rk_pool_threads(pool));
     return ok && rk_features_post(image, &job.rendering, pool, counters, error);

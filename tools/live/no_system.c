@@ -1,5 +1,6 @@
-/* base/file.h and io/helper.h where there are neither files nor processes. */
+/* base/file.h, io/helper.h and driver/driver_team.h where there are neither files nor processes. */
 #include "base/file.h"
+#include "driver/driver_team.h"
 #include "io/helper.h"
 
 #include <stddef.h>
@@ -62,4 +63,50 @@ bool rk_helper_ask(rk_helper **helper, const rk_helper_call *call, unsigned char
 void rk_helper_end(rk_helper **helper)
 {
     (void)helper;
+}
+
+bool rk_driver_join_team(rk_driver *driver, int argc, char **argv, rk_error *error)
+{
+    (void)driver;
+    (void)argc;
+    (void)argv;
+    (void)error;
+    return true;
+}
+
+bool rk_driver_speaks(const rk_driver *driver)
+{
+    (void)driver;
+    return true;
+}
+
+bool rk_driver_check_team(const rk_driver *driver, const rk_driver_spec *spec, rk_error *error)
+{
+    (void)spec;
+    return !driver->mpi ||
+           rk_fail(error, "--mpi: a page is one process; run the driver itself by mpirun");
+}
+
+bool rk_driver_agree(rk_driver *driver, bool ok, rk_error *error)
+{
+    (void)driver;
+    (void)error;
+    return ok;
+}
+
+void rk_driver_leave_team(rk_driver *driver)
+{
+    (void)driver;
+}
+
+bool rk_driver_tell(const rk_driver *driver, const char *text)
+{
+    fprintf(stderr, "%s: %s\n", driver->feature, text);
+    return false;
+}
+
+void rk_driver_end_team(rk_driver *driver, bool ok)
+{
+    (void)driver;
+    (void)ok;
 }

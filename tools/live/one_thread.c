@@ -31,6 +31,18 @@ uint32_t rk_pool_threads(const rk_pool *pool)
     return pool->threads;
 }
 
+void rk_pool_join(rk_pool *pool, rk_team *team)
+{
+    (void)pool;
+    (void)team;
+}
+
+rk_team *rk_pool_team(const rk_pool *pool)
+{
+    (void)pool;
+    return NULL;
+}
+
 void rk_pool_run(rk_pool *pool, uint32_t count, rk_task *task, void *context)
 {
     (void)pool;

@@ -6,6 +6,7 @@
 #include "render/render_sample.h"
 #include "render/stages/adaptive_plan.h"
 #include "render/stages/depth_of_field_stage.h"
+#include "render/tile_run.h"
 #include "render/tiles.h"
 
 #include <string.h>
@@ -71,26 +72,32 @@ static void render_tile(uint32_t index, uint32_t thread, void *context)
     }
 }
 
-static void render_round(adaptive_job *job, rk_pool *pool)
+/* Every process of a team then has all samples, and plans the same next round. */
+static bool render_round(adaptive_job *job, rk_pool *pool, rk_error *error)
 {
-    rk_pool_run(pool, rk_tile_count(&job->options), render_tile, job);
+    const rk_tile_run run = {&job->options, job->plan.samples, sizeof *job->plan.samples,
+                             job->counters, NULL};
+    if (!rk_tile_run_all(&run, pool, render_tile, job, error))
+        return false;
     rk_adaptive_plan_measure(&job->plan);
     job->counters[0].rounds++;
+    return true;
 }
 
-static void render_rounds(adaptive_job *job, rk_pool *pool)
+static bool render_rounds(adaptive_job *job, rk_pool *pool, rk_error *error)
 {
     rk_adaptive_generation next = RK_ADAPTIVE_EARLIER_GENERATION;
-    render_round(job, pool);
-    for (uint32_t generation = 1; next != RK_ADAPTIVE_LAST_GENERATION; generation++) {
+    bool ok = render_round(job, pool, error);
+    for (uint32_t generation = 1; ok && next != RK_ADAPTIVE_LAST_GENERATION; generation++) {
         next = rk_adaptive_plan_generation(&job->plan);
         if (next == RK_ADAPTIVE_NO_GENERATION)
-            return;
+            return true;
         job->options.seed = rk_hash(job->options.seed, generation, 0, 0);
-        render_round(job, pool);
+        ok = render_round(job, pool, error);
     }
-    rk_adaptive_plan_second_round(&job->plan);
-    render_round(job, pool);
+    if (ok)
+        rk_adaptive_plan_second_round(&job->plan);
+    return ok && render_round(job, pool, error);
 }
 
 /* --- The picture ------------------------------------------------------------------------------ */
@@ -112,6 +119,20 @@ static void put_image(const adaptive_job *job, rk_image *image)
                                : rk_adaptive_mean(&job->plan.samples[i]);
 }
 
+/* The numbers of the whole picture, and its pixels. */
+static void finish(adaptive_job *job, rk_image *image)
+{
+    rk_counters *of_picture = &job->counters[0];
+    const rk_adaptive_sums sums = rk_adaptive_plan_sums(&job->plan);
+    of_picture->kept_samples = (uint64_t)sums.samples;
+    of_picture->taken_samples = (uint64_t)(sums.samples + job->plan.thrown_away);
+    of_picture->estimated_error = rk_adaptive_error(sums.variance, sums.squares);
+    for (size_t i = 0; i < job->plan.pixels; i++)
+        if (of_picture->most_samples < job->plan.samples[i].count)
+            of_picture->most_samples = job->plan.samples[i].count;
+    put_image(job, image);
+}
+
 bool rk_adaptive_sampling_stage(const rk_rendering *r, rk_path_workspace *workspaces,
                                 rk_counters *counters, rk_image *image, rk_pool *pool,
                                 rk_error *error)
@@ -119,20 +140,13 @@ bool rk_adaptive_sampling_stage(const rk_rendering *r, rk_path_workspace *worksp
     adaptive_job job = {
         .rendering = *r, .options = *r->options, .workspaces = workspaces, .counters = counters};
     job.rendering.options = &job.options;
-    if (!rk_adaptive_plan_init(&job.plan, &job.options.adaptive_sampling, job.options.width,
-                               job.options.height, error))
-        return false;
-    render_rounds(&job, pool);
-    const rk_adaptive_sums sums = rk_adaptive_plan_sums(&job.plan);
-    counters[0].kept_samples = (uint64_t)sums.samples;
-    counters[0].taken_samples = (uint64_t)(sums.samples + job.plan.thrown_away);
-    counters[0].estimated_error = rk_adaptive_error(sums.variance, sums.squares);
-    for (size_t i = 0; i < job.plan.pixels; i++)
-        if (counters[0].most_samples < job.plan.samples[i].count)
-            counters[0].most_samples = job.plan.samples[i].count;
-    put_image(&job, image);
+    bool ok = rk_adaptive_plan_init(&job.plan, &job.options.adaptive_sampling, job.options.width,
+                                    job.options.height, error);
+    ok = rk_team_agree(rk_pool_team(pool), ok, error) && render_rounds(&job, pool, error);
+    if (ok)
+        finish(&job, image);
     rk_adaptive_plan_free(&job.plan);
-    return true;
+    return ok;
 }
 
 /* --- The feature ----------------------------------------------------------------------------- */
