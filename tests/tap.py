@@ -12,7 +12,7 @@ def check(condition, name, said=""):
     checks.append(bool(condition))
     lines = said if isinstance(said, list) else str(said).splitlines()
     for line in [] if condition else lines[-30:]:
-        print(f"# {line}")
+        print(f"# {line[:1000]}")  # a longer one is too much for some awk
     print(f"{'ok' if condition else 'not ok'} {len(checks)} - {name}", flush=True)
 
 

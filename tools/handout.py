@@ -29,6 +29,9 @@ from grading.results import write_whole
 from grading.workbook_files import workbook_files
 
 
+# What checks the workbook on git hosts, and where these look for it.
+_WORKFLOWS = {"check.yml": os.path.join(".github", "workflows", "raykit.yml"),
+              "check.gitlab-ci.yml": ".gitlab-ci.yml"}
 _SECONDS_TO_CLEAN_UP = 10  # it removes a few folders
 
 
@@ -100,12 +103,15 @@ def copy_release(source, folder):
 
 
 def _release(source, pack):
-    """A release without what ./bootstrap makes and what only instructors use."""
+    """A release without what ./bootstrap makes and what only instructors use, and with a workflow for git
+    hosts."""
     copy_release(source, pack)
     made = ["configure", "Makefile.in", "aclocal.m4", "features.am", "build-aux"]
     for name in [*made, *os.environ["RAYKIT_INSTRUCTORS"].split()]:
         path = os.path.join(pack, name)
         (shutil.rmtree if os.path.isdir(path) else os.unlink)(path)
+    for name, place in _WORKFLOWS.items():
+        _copy(os.path.join(source, "tools", "workflows", name), os.path.join(pack, place))
 
 
 def _hand_out(pack, features, later):

@@ -118,8 +118,9 @@ class Matcher:
     """Finds the students whom a name fits."""
 
     def __init__(self, students):
-        self.students = students
         self._keys = {"id": {}, "email": {}, "login": {}, "name": {}, "accents": {}}
+        self._patterns = [(student, re.compile(fnmatch.translate(plain(student.pattern))))
+                          for student in students if student.pattern]
         for student in students:
             if student.pattern:
                 continue  # by it alone
@@ -141,8 +142,8 @@ class Matcher:
 
     def by_pattern(self, name):
         """Returns the students whose pattern fits."""
-        return {student for student in self.students
-                if student.pattern and fnmatch.fnmatchcase(plain(name), plain(student.pattern))}
+        text = plain(name)
+        return {student for student, pattern in self._patterns if pattern.match(text)}
 
     def fits(self, name, reading):
         """Returns the set of students whom a name fits: by a pattern; else those whom all that is known of

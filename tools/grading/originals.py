@@ -1,12 +1,12 @@
 """The files of a pack as they were packed, in tools/originals.zip, so that edits outside of the workbook are
-noticed and can be undone. Texts and editors' settings are a student's to change."""
+noticed and can be undone. Texts and settings of editors and git hosts are a student's to change."""
 
 import os
 import zipfile
 import zlib
 
 _ARCHIVE = os.path.join("tools", "originals.zip")
-_NOT_KEPT = (".md", ".png", ".svg", ".html", ".zip")
+_NOT_KEPT = (".md", ".png", ".svg", ".html", ".zip", ".yml")
 _CODE_FOLDERS = ("src", "tests", "tools", "assignments")
 _MADE = ("src/features/list.h", "src/features/all.h")  # by tools/features.sh
 
