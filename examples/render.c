@@ -1,6 +1,6 @@
 /* Renders a built-in scene, or a mesh file, to a PNG or EXR picture with the installed library.
  *
- *     cc render.c $(pkg-config --cflags --libs raykit) -o render
+ *     cc render.c $(pkg-config --cflags --libs raykit) -o render       (or c++ -x c++ render.c ...)
  *     ./render teapot teapot.png
  *     ./render dragon.obj dragon.png
  */
@@ -24,9 +24,11 @@ static bool render(const rk_scene *scene, const char *path, rk_error *error)
 {
     rk_render_options options = rk_render_options_default();
     options.shadows = true;
-    rk_image image = {0};
-    rk_accel accel = {0};
+    rk_image image;
+    rk_accel accel;
     rk_counters counters;
+    memset(&image, 0, sizeof image); /* which C++ takes, too */
+    memset(&accel, 0, sizeof accel);
     rk_pool *pool = rk_pool_start(0, error);
     bool ok = pool && rk_image_init(&image, options.width, options.height, error) &&
               rk_accel_build(&accel, RK_ACCEL_WIDE, scene, error) &&
@@ -46,7 +48,8 @@ static bool render(const rk_scene *scene, const char *path, rk_error *error)
 int main(int argc, char **argv)
 {
     rk_error error = {""};
-    rk_scene scene = {0};
+    rk_scene scene;
+    memset(&scene, 0, sizeof scene);
     if (argc != 3) {
         fprintf(stderr, "usage: render SCENE_OR_MESH_FILE PICTURE.png\n");
         return 2;

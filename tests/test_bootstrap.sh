@@ -65,4 +65,53 @@ bootstrap install 1000 'E: Could not open lock file /var/lib/dpkg/lock-frontend 
 [ "$slept" = 0 ] && says 'could not install' && says 'Permission denied'
 verdict other_failures_are_told_at_once
 
+# --- what configure is run again for: with a kit of a few lines ---
+
+mkdir "$folder/kit/tools"
+cat >"$folder/kit/configure" <<'END'
+#!/bin/sh
+echo "configured $*"
+: >config.status
+echo 'NEXT_COMMANDS = make start' >Makefile
+END
+printf '#!/bin/sh\n' >"$folder/kit/tools/features.sh"
+chmod +x "$folder/kit/configure" "$folder/kit/tools/features.sh"
+: >"$folder/kit/configure.ac"
+: >"$folder/kit/Makefile.am"
+: >"$folder/kit/features.am"
+mkdir "$folder/kit/build-aux"
+touch -d '1 minute' "$folder/kit/Makefile.in" 2>/dev/null || touch "$folder/kit/Makefile.in"
+again() { "$folder/kit/bootstrap" --no-install "$@" >"$folder/said" 2>&1; }
+
+again && says configured && again && says 'nothing has changed since the last run; next: make start'
+verdict what_has_not_changed_is_not_configured_again
+
+stub python3.13 <<'END'
+echo Python 3.13.1
+END
+again && says configured && again && says 'nothing has changed'
+verdict a_program_that_is_new_beside_dpkg_is_configured_for
+
+stub python3.13 <<'END'
+echo Python 3.13.2
+END
+again && says configured && again && says 'nothing has changed'
+verdict another_version_of_it_is_too
+
+again --student && says 'configured --quiet --enable-student' && again --student && says 'nothing has changed'
+verdict configure_is_told_that_it_serves_a_student
+
+mkdir "$folder/bare"
+for tool in sh dirname env sed grep; do ln -s "$(command -v $tool)" "$folder/bare/$tool"; done
+env PATH="$folder/bare" "$folder/kit/bootstrap" --no-install >"$folder/said" 2>&1
+says 'what makes configure is missing; install autoconf automake pkg-config make'
+verdict all_that_is_missing_is_said_at_once
+
+printf '#!/bin/sh\necho 1000\n' >"$folder/bare/id"
+chmod +x "$folder/bare/id"
+ln -s "$folder/bin/dpkg-query" "$folder/bin/apt-get" "$folder/bare"
+env PATH="$folder/bare" "$folder/kit/bootstrap" --student >"$folder/said" 2>&1
+says 'ask an administrator for' && says 'apt-get install --no-install-recommends gcc make '
+verdict the_administrators_line_installs_no_more_than_is_needed
+
 echo "1..$count"

@@ -85,6 +85,8 @@ for compiler in ${compilers#|}; do
         $(pkg-config --cflags --libs raykit) || fail "a program does not build with $compiler"
     answer=$("$folder/user++") || fail "the program of $compiler ends with status $?"
     [ "$answer" = 7 ] || fail "the program of $compiler says $answer, not 7"
+    $compiler -std=c++17 -x c++ -Wall -Wextra -pedantic -Werror -o "$folder/render++" "$example" \
+        $(pkg-config --cflags --libs raykit) || fail "examples/render.c does not build with $compiler"
 done
 
 kit=$(cd "$(dirname "$0")/.." && pwd)

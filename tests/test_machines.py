@@ -13,6 +13,7 @@ import sys
 import tempfile
 from unittest import mock
 
+MAKE = os.environ.get("MAKE", "make")
 SOURCE = os.path.abspath(os.environ.get("srcdir", "."))
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(SOURCE, "tools"))
@@ -56,15 +57,17 @@ def _answer(command, folder, changed):
 # --- configure's closing table --------------------------------------------------------------------
 
 
-def configured(work, name, changed):
-    """Configures what configure needs of the kit; returns its status, and the rows of its table."""
+def configured(work, name, changed, *options):
+    """Configures what configure needs of the kit; returns its status, the rows of its table, and what it
+    said."""
     folder = os.path.join(work, name)
     for part in CONFIGURED_FROM:
         place = os.path.join(folder, part)
         os.makedirs(os.path.dirname(place), exist_ok=True)
         (shutil.copytree if os.path.isdir(os.path.join(SOURCE, part)) else shutil.copy2)(
             os.path.join(SOURCE, part), place)
-    status, said = _answer(["./configure", "--quiet", "--disable-dependency-tracking"], folder, changed)
+    status, said = _answer(["./configure", "--quiet", "--disable-dependency-tracking", *options], folder,
+                           changed)
     return status, dict(re.findall(r"^  (\w.{12})(.*)$", said, re.MULTILINE)), said
 
 
@@ -78,17 +81,24 @@ def what_is_too_old_or_another_program(work):
                        ("parallel", OTHER_PARALLEL)):
         stub(programs, name, text)
     old = stub(programs, "python3", OLD_PYTHON)
+    for name, version in (("assimp", "5.0.0"), ("OpenImageIO", "2.2.10")):
+        write(f"Name: {name}\nDescription: too old\nVersion: {version}\n", work, "modules", f"{name}.pc")
     status, rows, said = configured(work, "old", {
-        "PATH": f"{programs}:{os.environ['PATH']}", "PYTHON": old, "CC": "plain-cc"})
+        "PATH": f"{programs}:{os.environ['PATH']}", "PYTHON": old, "CC": "plain-cc",
+        "PKG_CONFIG_PATH": os.path.join(work, "modules")})
     check(status == 0, "where much is too old, configure succeeds all the same", said)
     wanted = {
         "Python": "MISSING: no workbooks, no grading: Python 3.9.18 is too old, 3.10 is needed",
         "pandoc": "MISSING: no report and no book; drivers still make pictures and tables: pandoc 2.9.2.1 is "
                   "too old, 2.17 is needed",
+        "Assimp": "MISSING: no mesh files; the built-in scenes still work: Assimp 5.0.0 is too old, 5.2 is "
+                  "needed",
+        "OpenImageIO": "MISSING: only PNG image files: OpenImageIO 2.2.10 is too old, 2.4 is needed",
         "sanitizers": "MISSING: plain-cc refuses -fsanitize: wrong memory accesses, undefined behaviour and "
-                      "leaks can go unnoticed in checks and grades",
-        "sandbox": "MISSING: nothing of others is graded, unless you say SANDBOX=no: bubblewrap starts no "
-                   "sandbox here (setting up uid map: Permission denied); docs/machines.md says what to do",
+                      "leaks can go unnoticed in checks and grades (libasan and libubsan)",
+        "sandbox": "MISSING: nothing of others is graded, unless you say SANDBOX=no, or as root "
+                   "SANDBOX=container: bubblewrap starts no sandbox here (setting up uid map: Permission "
+                   "denied); docs/machines.md says what to do",
         "GNU parallel": f"MISSING: classes are graded one submission after the other: {programs}/parallel is "
                         "another "
                         "program, not GNU parallel (parallel)"}
@@ -98,6 +108,66 @@ def what_is_too_old_or_another_program(work):
     made = read(work, "old", "Makefile")
     for name in ("PYTHON", "PANDOC", "RK_GRADE_SANITIZE"):
         check(re.search(rf"^{name} = *$", made, re.MULTILINE), f"the build treats {name} as absent")
+    for name, words in (("PYTHON", "Python 3.9.18 is too old, 3.10 is needed"),
+                        ("PANDOC", "pandoc 2.9.2.1 is too old, 2.17 is needed")):
+        check(f"\nNO_{name} = {words}: docs/machines.md says what to do\n" in made,
+              f"and can say why: {name}")
+    check(said.endswith("\nNow: make check (tests), make install.\n"),
+          "the last line has no command that needs what is too old", said)
+
+
+def what_a_student_needs_not(work):
+    programs = os.path.join(work, "student-programs")
+    stub(programs, "bwrap", STRICT_SYSTEM)
+    absent = {f"ac_cv_path_{name}": "" for name in ("PARALLEL", "PANDOC", "GNUPLOT", "CHROMIUM", "BLENDER")}
+    status, rows, said = configured(work, "student", {**absent, "PATH": f"{programs}:{os.environ['PATH']}"},
+                                    "--enable-student")
+    for name in ("GNU parallel", "pandoc", "gnuplot", "chromium", "Blender"):
+        check(row(rows, name) == "not installed (a student needs none)",
+              f"{name}: no student is told to miss it", row(rows, name))
+    check(status == 0 and row(rows, "sandbox").startswith("MISSING: "),
+          "what is there and does not serve has its reason for students, too", said)
+    check(said.endswith("\nNow: make workbook DIR=mine && make start IMPL=mine.\n"),
+          "a student's next command is the first one", said)
+    stub(programs, "python3", OLD_PYTHON)
+    _, _, said = configured(work, "no-python", {"PYTHON": f"{programs}/python3"}, "--enable-student")
+    check("make workbook" not in said and "\nNow: " in said, "if there is a Python for it", said)
+
+
+def the_package_of_clangs_sanitizers(work):
+    for version, package in (("14.0.6", "libclang-rt-14-dev"), ("11.0.1-2", "libclang-common-11-dev")):
+        programs = os.path.join(work, "clang" + version)
+        says = f"[ \"$*\" != --version ] || {{ echo Debian clang version {version}; exit; }}\n"
+        stub(programs, "clang-stub", says + PLAIN_COMPILER)
+        changed = {"PATH": f"{programs}:{os.environ['PATH']}", "CC": "clang-stub"}
+        _, rows, said = configured(work, "with" + version, changed)
+        check(row(rows, "sanitizers").endswith(f"in checks and grades ({package})"),
+              f"clang {version}: the package of its sanitizers is named", said)
+    status, _, said = configured(work, "refused", changed, "--enable-sanitizers")
+    check(status != 0 and "install libclang-common-11-dev (" in said, "as where they are asked for", said)
+
+
+def make_says_what_is_missing():
+    status, said = _answer([MAKE, "-s", "workbook", "DIR=mine", "PYTHON=", "NO_PYTHON=Python 3.9.2 is odd"],
+                           ".", {})
+    check(status != 0 and "Python 3.9.2 is odd" in said and "Traceback" not in said,
+          "make says why there is no Python", said)
+    for page in ("report", "book"):
+        status, said = _answer([MAKE, "-s", page, "PANDOC=", "NO_PANDOC=pandoc 2.9 is odd"], ".", {})
+        check(status != 0 and "pandoc 2.9 is odd" in said, f"make {page} says why there is no pandoc", said)
+        changed = os.path.join(SOURCE, "src", "base", "vec3.h")
+        counts = [_answer([MAKE, "-n", "-W", changed, page, *options], ".", {})[1].count(" -c ")
+                  for options in ([], ["PANDOC="])]
+        check(counts[0] > 0 and counts[1] == 0, "before it compiles anything", counts)
+
+
+def versions_of_helpers_packages_agree():
+    wanted = read(SOURCE, "configure.ac")
+    for name, module, package in (("mesh", "assimp", "libassimp-dev"),
+                                  ("image", "OpenImageIO", "libopenimageio-dev")):
+        least = re.search(rf"\[{module} >= ([\d.]+)\]", wanted)[1]
+        check(f'"{package} {least} or later"' in read(SOURCE, "src", "io", f"{name}_file.c"),
+              f"who reads a {name} without its helper is told how old {package} may be")
 
 
 def what_is_absent(work):
@@ -108,7 +178,8 @@ def what_is_absent(work):
     check(status == 0, "where it is absent, too", said)
     for name, words in (
             ("binutils", "MISSING: no checks of your files, no grading (binutils)"),
-            ("sandbox", "MISSING: nothing of others is graded, unless you say SANDBOX=no (bubblewrap)"),
+            ("sandbox", "MISSING: nothing of others is graded, unless you say SANDBOX=no, or as root "
+                        "SANDBOX=container (bubblewrap)"),
             ("GNU parallel", "MISSING: classes are graded one submission after the other (parallel)"),
             ("pandoc", "MISSING: no report and no book; drivers still make pictures and tables (pandoc)")):
         check(row(rows, name) == words, f"{name}: what is lost without it has a row",
@@ -194,6 +265,27 @@ def a_compiler_of_ones_own_is_told(work):
           "a compiler that no sandbox has is named, instead of the sandbox", said)
 
 
+def without_a_sandbox_the_way_out_is_ones_own(work):
+    """Who has bubblewrap is not told to install it, nor root to say what root may not."""
+    toolchain = build.Toolchain(".")
+    toolchain.compiler = ["/usr/bin/cc"]
+    stub(os.path.join(work, "strict"), "bwrap", STRICT_SYSTEM)
+    for there, path in ((True, f"{work}/strict:{os.environ['PATH']}"), (False, f"{work}/nothing")):
+        for user in (0, 1000):
+            said = "no word"
+            with mock.patch.dict(os.environ, RAYKIT_SANDBOX="", PATH=path), \
+                    mock.patch.object(os, "geteuid", return_value=user):
+                try:
+                    bubblewrap.find(toolchain)
+                except ToolError as error:
+                    said = str(error)
+            check("there is no sandbox" in said and ("install bubblewrap" in said) != there
+                  and ("docs/machines.md" in said) == there
+                  and ("SANDBOX=container" in said) == (user == 0) == ("SANDBOX=no" not in said),
+                  f"without a sandbox {'root' if user == 0 else 'a user'} is told a way that is open, "
+                  f"bubblewrap is {'there' if there else 'absent'}", said)
+
+
 # --- lists of packages ----------------------------------------------------------------------------
 
 
@@ -275,12 +367,17 @@ def main():
         work = os.path.abspath(work)
         what_is_too_old_or_another_program(work)
         what_is_absent(work)
+        what_a_student_needs_not(work)
+        the_package_of_clangs_sanitizers(work)
+        make_says_what_is_missing()
+        versions_of_helpers_packages_agree()
         other_objects(work)
         a_later_python_beside_an_old_one(work)
         an_old_python_is_told()
         a_later_cmocka_is_not_the_unit()
         what_is_not_looked_for_is_told(work)
         a_compiler_of_ones_own_is_told(work)
+        without_a_sandbox_the_way_out_is_ones_own(work)
         containers(lists_of_packages(work))
         without_apt(work)
     return finish()

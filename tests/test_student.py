@@ -74,8 +74,11 @@ def a_verdict_fits_on_a_screen():
     check(0 < first < following
           and lines[following - 1].strip() == f"a hint: make hint-{FEATURE.stem} STEP={TESTS[0].step}",
           "the claim to work on first stands first", told)
-    check("ALL=1" in told and TESTS[-1].name not in told, "the others are counted, with the way to see them",
-          told)
+    for impl, named in (("mine", "mine"), ("my work", "'my work'")):
+        wanted = f" more: make check-{FEATURE.stem} ALL=1 IMPL={named}\n"
+        told = results.text([Suite(FEATURE, TESTS, everything)], impl, brief=True)
+        check(wanted in told + "\n" and TESTS[-1].name not in told,
+              f"the others of {impl} are counted, with the way to see them", told)
     check(f"STEP={TESTS[0].step}" in told, "the step's hints are named", told)
     told = results.text([Suite(FEATURE, TESTS, everything)], "mine")
     check(all(test.name in told for test in TESTS), "in a report all are named", told)
@@ -192,7 +195,8 @@ def a_picture_is_praised_only_while_claims_hold():
             (("", ""), f"\n6.png: {draw._PRAISE}the picture")):
         told = f"6.png: {draw._PRAISE}the picture differs"
         with contextlib.ExitStack() as stack:
-            for name, value in (("_driver", ("driver", "driver")), ("_draw_both", told), ("_unsolved", [])):
+            for name, value in (("made_driver", ("driver", "driver")), ("_draw_both", told),
+                                ("_unsolved", [])):
                 stack.enter_context(mock.patch.object(draw, name, return_value=value))
             stack.enter_context(mock.patch.object(draw.last_check, "read", return_value=failed))
             said = stack.enter_context(redirect_stdout(io.StringIO()))

@@ -29,7 +29,7 @@ static bool has_ending(const char *path, const char *ending)
 static rk_helper_call make_call(const char *path, const char *const *arguments, size_t output_max)
 {
     return (rk_helper_call){.program = "raykit-image",
-                            .package = "libopenimageio-dev",
+                            .package = "libopenimageio-dev 2.4 or later",
                             .subject = path,
                             .arguments = arguments,
                             .output_max = output_max};

@@ -294,7 +294,7 @@ bool rk_mesh_file_read(rk_mesh *mesh, const char *path, rk_error *error)
     *mesh = (rk_mesh){0};
     const char *const arguments[] = {path, NULL};
     rk_helper_call call = {.program = "raykit-mesh",
-                           .package = "libassimp-dev",
+                           .package = "libassimp-dev 5.2 or later",
                            .subject = path,
                            .arguments = arguments,
                            .output_max = longest_answer};

@@ -62,6 +62,14 @@ class Bubblewrap:
         return self.around(command, [*binds, "--bind", folder, folder], folder)
 
 
+def _without():
+    """What is said to do without a sandbox; from root "no" would not be taken."""
+    if os.geteuid() == 0:
+        return ("as you are root, grade as another user, or say SANDBOX=container in one that is thrown "
+                "away, to run it all the same")
+    return "say SANDBOX=no to run it all the same, as a user who has nothing to lose"
+
+
 def find(toolchain):
     """Returns the sandbox and ""; or None, and what is to be said where the code ran without one."""
     wish = os.environ.get("RAYKIT_SANDBOX", "")
@@ -72,12 +80,12 @@ def find(toolchain):
                         "grade as another user, or say SANDBOX=container in one that is thrown away")
     if wish in ("no", "container"):
         return None, f"without a sandbox (SANDBOX={wish}): the code had the grader's rights"
-    program, reason = shutil.which("bwrap"), "bubblewrap is not installed"
+    program, reason, remedy = shutil.which("bwrap"), "bubblewrap is not installed", "install bubblewrap"
     compiler = shutil.which(toolchain.compiler[0]) or ""
     if program and not os.path.realpath(compiler).startswith(tuple(path + "/" for path in _SYSTEM)):
         raise ToolError(f"the sandbox has no compiler, as {compiler or toolchain.compiler[0]} stands outside "
-                        "of the system's folders: configure with one of /usr, or say SANDBOX=no to run graded"
-                        " code with your rights, as a user who has nothing to lose")
+                        "of the system's folders, and graded code would run with your rights: configure with "
+                        f"one of /usr, or {_without()}")
     if program:
         sandbox = Bubblewrap(toolchain, program)
         tried = subprocess.run(sandbox.around([*toolchain.compiler, "--version"]), stdin=subprocess.DEVNULL,
@@ -85,6 +93,6 @@ def find(toolchain):
         if tried.returncode == 0:
             return sandbox, ""
         reason = (tried.stderr.strip().splitlines() or ["bwrap fails"])[-1]
-    raise MachineError(f"there is no sandbox ({reason}), and graded code would run with your rights: install "
-                       "bubblewrap, or say SANDBOX=no to run it all the same, as a user who has nothing to "
-                       "lose")
+        remedy = "docs/machines.md says how one starts"
+    raise MachineError(f"there is no sandbox ({reason}), and graded code would run with your rights: "
+                       f"{remedy}, or {_without()}")

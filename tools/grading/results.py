@@ -170,13 +170,12 @@ def _all_others(suite, failed, first):
     return lines
 
 
-def _next_ones(suite, failed):
-    named = [_named(suite, test) for test in failed]
-    named = _some(named, _NEXT + 1, f"and {{}} more: make check-{suite.feature.stem} ALL=1")
+def _next_ones(suite, failed, see_all):
+    named = _some([_named(suite, test) for test in failed], _NEXT + 1, f"and {{}} more: {see_all}")
     return [("      then: " if not number else " " * 12) + name for number, name in enumerate(named)]
 
 
-def _text_of_failures(suite, brief):
+def _text_of_failures(suite, brief, see_all):
     """What is brief fits on a terminal, so that it can be read in the order of work."""
     failed = [test for test in suite.tests if not suite.verdicts[test.name].passed]
     if not failed:
@@ -193,7 +192,7 @@ def _text_of_failures(suite, brief):
         explained.append(f"a hint: make hint-{suite.feature.stem} STEP={first.step}")
     for line in explained:
         lines += _wrapped(line, " " * 10)
-    following = _next_ones(suite, failed[1:]) if brief else _all_others(suite, failed[1:], first)
+    following = _next_ones(suite, failed[1:], see_all) if brief else _all_others(suite, failed[1:], first)
     return lines + (following if failed[1:] else [])
 
 
@@ -211,9 +210,9 @@ def _whose(suite):
     return "this is the reference, which earns no points" if suite.unit.is_reference else ""
 
 
-def command_of(does, feature, impl=None):
+def command_of(does, feature, impl=None, options=""):
     """Returns "make DOES-STEM IMPL=mine"; in a pack for students the workbook is meant without a word."""
-    command = f"make {does}-{feature.stem}"
+    command = f"make {does}-{feature.stem}{options}"
     if impl is None:
         return command
     own = os.path.basename(os.path.normpath(impl)) == "workbook" and is_handed_out(feature.reference)
@@ -251,11 +250,11 @@ def text(suites, impl, colours=False, brief=False):
         said += _wrapped(_lost(suite), " " * 6) if _lost(suite) else []
         said += _steps(suite) if brief and not suite.passed() else []
         said += [line for remark in suite.remarks for line in _wrapped(remark, " " * 6)]
-        said += _text_of_failures(suite, brief)
+        see_all = command_of("check", suite.feature, impl, " ALL=1")
+        said += _text_of_failures(suite, brief, see_all)
         warnings = suite.warnings.split("\n") if suite.warnings else []
         room = max(4, _SCREEN - len(said)) if brief else 60
-        lines += [*_some(warnings, room,
-                         f"and {{}} more lines of warnings: make check-{suite.feature.stem} ALL=1"), *said]
+        lines += [*_some(warnings, room, f"and {{}} more lines of warnings: {see_all}"), *said]
         if len(suites) == 1 and suite.points() == 100 and suite.passed():
             # A folder of submissions is the grader's: the student has another.
             own = impl if suite.is_own else None

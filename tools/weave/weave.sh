@@ -33,7 +33,7 @@ clean_up() {
 trap clean_up EXIT
 trap interrupted HUP INT TERM
 
-[ -n "${PANDOC-}" ] || give_up "pandoc is missing: run ./bootstrap, or install pandoc and run ./configure again"
+[ -n "${PANDOC-}" ] || give_up "${NO_PANDOC:-pandoc is missing}"
 
 # What drivers make is kept here (tools/weave/store.lua). A pack brings RAYKIT_RECORD, what its book shows.
 RAYKIT_STORE=${RAYKIT_STORE:-$RAYKIT_BUILD/drawn}
