@@ -10,8 +10,8 @@ checks = []
 def check(condition, name, said=""):
     """Notes a claim's verdict; of a failed one also the last lines of `said`, a text or a list of lines."""
     checks.append(bool(condition))
-    lines = said if isinstance(said, list) else str(said).splitlines()
-    for line in [] if condition else lines[-30:]:
+    lines = map(str, said) if isinstance(said, list) else str(said).splitlines()
+    for line in [] if condition else list(lines)[-30:]:
         print(f"# {line[:1000]}")  # a longer one is too much for some awk
     print(f"{'ok' if condition else 'not ok'} {len(checks)} - {name}", flush=True)
 

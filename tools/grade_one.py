@@ -23,6 +23,7 @@ from grading.assignments import (
     is_misnamed_c, read_features, read_points,
 )
 from grading.c_source import tokens_of
+from grading.parallel_jobs import tell
 from grading.starters import is_handed_out
 from grade import Suite, check_seed, grade_prepared, prepare_submission, seconds_per_test, stop_on_signals
 
@@ -166,12 +167,6 @@ def _job(path, number):
     return os.fsdecode(bytes.fromhex(submission)), os.fsdecode(bytes.fromhex(name))
 
 
-def _tell(**said):
-    """Tells make grade-class, in one write: others' lines go to the same pipe."""
-    sys.stdout.flush()
-    os.write(sys.stdout.fileno(), json.dumps(said).encode() + b"\n")
-
-
 def _arguments():
     parser = Parser(
         description=__doc__.split("\n\n")[0],
@@ -220,7 +215,7 @@ def _grade(arguments):
         grader = Grader(toolchain, arguments.stems, arguments.out, arguments.format, arguments.again)
         found = grader.grade(path, name)
     if arguments.list:
-        _tell(number=arguments.number)
+        tell(number=arguments.number)
         return 0
     print(results.printable(f"{results.name_of(name)}: {summary(found).strip()}"))
     return UNGRADABLE if any(part["not_graded"] for part in found) else 0
@@ -238,7 +233,7 @@ def main():
             print(f"grade-one: {getattr(error, 'filename', '') or 'the system'}: {error}", file=sys.stderr)
             return 2
         if arguments.list:
-            _tell(number=arguments.number, fault=str(error)[:500] or "no memory")
+            tell(number=arguments.number, fault=str(error)[:500] or "no memory")
         else:
             print(f"grade-one: {error or 'no memory'}", file=sys.stderr)
         return ELSEWHERE

@@ -14,7 +14,7 @@ import time
 
 from grading import sandbox
 from grading.assignments import Parser
-from grading.parallel_jobs import processors, stop_on_signals
+from grading.parallel_jobs import processors, stop_on_signals, tell
 from sweeping.picture import stem_of, texts_of
 
 _MACHINE = 75  # GNU parallel tries again, perhaps elsewhere
@@ -121,7 +121,7 @@ def main():
                          f"{getattr(error, 'strerror', '') or error or 'no memory'}")
     except KeyboardInterrupt:
         return 130
-    print(json.dumps(said), flush=True)
+    tell(**said)
     return _MACHINE if "fault" in said else 0
 
 

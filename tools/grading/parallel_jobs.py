@@ -7,6 +7,7 @@ import re
 import shutil
 import signal
 import subprocess
+import sys
 import tempfile
 import threading
 
@@ -56,6 +57,12 @@ class Ended:
         if not said:
             how = signal.Signals(-status).name if status < 0 else f"status {status}"
             self.fault = f"{worker} was ended, by {how}"
+
+
+def tell(**said):
+    """Has a worker say how it ended, in one write: others' lines go to the same pipe."""
+    sys.stdout.flush()
+    os.write(sys.stdout.fileno(), json.dumps(said).encode() + b"\n")
 
 
 def _said(line):
