@@ -218,6 +218,11 @@ def what_is_there_is_not_rendered_again(folder):
           "a student's unit draws other frames, once")
 
 
+# However quick a driver is, Python begins for each frame: so many take seconds, and the table is written
+# each second.
+MANY, MANY_FRAMES = "--yaw=0:40:30", 30
+
+
 def _drivers(out):
     """Returns the numbers of the drivers that render for this folder."""
     found = []
@@ -244,7 +249,7 @@ def begin(*arguments):
 def expected(folder):
     out = os.path.join(folder, "expected")
     if not os.path.exists(out):
-        sweep(out, "--yaw=0:40:6", SLOW)
+        sweep(out, MANY, SLOW)
     return pictures(out)
 
 
@@ -253,7 +258,7 @@ def a_sweep_is_interrupted(folder):
         for number in (signal.SIGINT, signal.SIGKILL) if jobs == "2" else (signal.SIGTERM,):
             status = -number if number == signal.SIGKILL else 130
             out = os.path.join(folder, f"{jobs} {number.name}")
-            process = begin(out, "--yaw=0:40:6", SLOW, f"--jobs={jobs}")
+            process = begin(out, MANY, SLOW, f"--jobs={jobs}")
             begun = _wait(lambda out=out: _rows(out) and _drivers(out))
             process.send_signal(number)
             said = process.communicate()[0]
@@ -261,15 +266,15 @@ def a_sweep_is_interrupted(folder):
                   f"a sweep is stopped by {number.name} (JOBS={jobs})", said)
             check(_wait(lambda out=out: not _drivers(out)), "no driver outlives it")
             check(number == signal.SIGKILL or not hidden(out), "and nothing is half-written", hidden(out))
-            _, said = sweep(out, "--yaw=0:40:6", SLOW)
+            _, said = sweep(out, MANY, SLOW)
             check(pictures(out) == expected(folder) and not hidden(out)
-                  and 0 < (done(said) or 6) < 6, "the same command goes on", said)
+                  and 0 < (done(said) or MANY_FRAMES) < MANY_FRAMES, "the same command goes on", said)
 
 
 def a_killed_driver_is_tried_again(folder):
     for jobs in ("1", "2"):
         out = os.path.join(folder, f"{jobs} victims")
-        process = begin(out, "--yaw=0:40:6", SLOW, f"--jobs={jobs}")
+        process = begin(out, MANY, SLOW, f"--jobs={jobs}")
         victims = _wait(lambda out=out: _drivers(out))
         for victim in victims:
             with contextlib.suppress(ProcessLookupError):
@@ -363,7 +368,7 @@ def threads_are_divided(folder):
 
 def two_sweeps_do_not_mix(folder):
     out = os.path.join(folder, "two")
-    process = begin(out, "--yaw=0:40:6", SLOW)
+    process = begin(out, MANY, SLOW)
     _wait(lambda: _drivers(out))
     status, said = sweep(out, "--yaw=0,1")
     check(status == 2 and "another sweep" in said, "a folder into which another one is writing is told", said)

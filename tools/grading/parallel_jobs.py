@@ -60,9 +60,12 @@ class Ended:
 
 
 def tell(**said):
-    """Has a worker say how it ended, in one write: others' lines go to the same pipe."""
+    """Has a worker say how it ended, in one write: others' lines go to the same pipe. Signals then come too
+    late to stop anything."""
     sys.stdout.flush()
     os.write(sys.stdout.fileno(), json.dumps(said).encode() + b"\n")
+    for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
+        signal.signal(number, lambda *_: None)
 
 
 def _said(line):
