@@ -1,13 +1,13 @@
 /* How much faster is --mpi on many machines? A model of it from what is measured on one.
  *
  * The driver is process 0 of a team of one, on one thread, and notes the processor time of each
- * tile, of what lies between, which every process of a team does by itself, and the bytes that are
- * exchanged. From these follows for R processes of one thread each
+ * tile, of the work between tiles, which every process of a team does by itself, and the bytes that
+ * are exchanged. From these follows for R processes of one thread each
  *
  *     T(R) = start + alone + sum over passes of P(R) + (R - 1) (B / R / bandwidth + delay)
  *
  *   start  the scene and its tree
- *   alone  what lies between tiles: circles of confusion, plans of rounds, bloom
+ *   alone  the work between tiles: circles of confusion, plans of rounds, bloom
  *   P(R)   until the last process has finished: each takes the next tile, `take` later, in turn
  *   B      bytes of all tiles, which go round in R - 1 steps, as MPI_Allgatherv sends much
  *
@@ -54,7 +54,7 @@ static double processor_time(void)
     return (double)now.tv_sec + (double)now.tv_nsec * 1e-9;
 }
 
-/* The time since the last note is that of a tile, or of what lies between. */
+/* The time since the last note is that of a tile, or of the work between tiles. */
 static double since_last(notes *n)
 {
     const double now = processor_time(), seconds = now - n->last;
