@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+import time
 
 checks = []
 
@@ -35,6 +36,14 @@ def run(folder, *command):
     answer = subprocess.run(command, cwd=folder, env=environment, stdin=subprocess.DEVNULL, text=True,
                             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, errors="replace", check=False)
     return answer.returncode, answer.stdout
+
+
+def wait(condition, seconds=60, pause=0.01):
+    """Waits until the condition holds, or so many seconds are over; returns its value."""
+    end = time.monotonic() + seconds
+    while not condition() and time.monotonic() < end:
+        time.sleep(pause)
+    return condition()
 
 
 def read(*path):

@@ -15,7 +15,6 @@ import subprocess
 import sys
 import tarfile
 import tempfile
-import time
 from unittest import mock
 
 import test_grade
@@ -26,7 +25,7 @@ from grading import private_copy
 from grading import sandbox
 from grading.assignments import MachineError, Unit
 from grading.starters import starter_of
-from tap import check, finish, start
+from tap import check, finish, start, wait
 
 FEATURE = FEATURES["normals"]
 STARTER, RIGHT = starter_of(FEATURE.reference), read(FEATURE.reference)
@@ -136,13 +135,6 @@ def workers(out):
     return found
 
 
-def _wait(condition):
-    end = time.monotonic() + 60
-    while not condition() and time.monotonic() < end:
-        time.sleep(0.02)
-    return condition()
-
-
 def a_class_is_interrupted(folder):
     place, rows = expected(folder, 5)
     for name, number, status in (("stopped", signal.SIGINT, 130),
@@ -150,12 +142,12 @@ def a_class_is_interrupted(folder):
         out = os.path.join(folder, name)
         process = subprocess.Popen(class_command(place, out, "--jobs", "2"), stdout=subprocess.PIPE,
                                    text=True, stderr=subprocess.STDOUT, start_new_session=True)
-        begun = _wait(lambda out=out: workers(out))
+        begun = wait(lambda out=out: workers(out))
         process.send_signal(number)
         said = process.communicate()[0]
         check(begun and process.returncode == status and (number == signal.SIGKILL or "goes on" in said),
               f"a class can be {name}", said)
-        check(_wait(lambda out=out: not workers(out)), f"no worker outlives it ({name})", said)
+        check(wait(lambda out=out: not workers(out)), f"no worker outlives it ({name})", said)
         _, said = grade_class(place, out, "--jobs", "2")
         check(rows_of(out) == rows, f"the same command goes on ({name})", said)
 
@@ -165,7 +157,7 @@ def a_killed_worker_is_replaced(folder):
     out = os.path.join(folder, "worker")
     process = subprocess.Popen(class_command(place, out, "--jobs", "2"), stdout=subprocess.PIPE,
                                text=True, stderr=subprocess.STDOUT)
-    victims = _wait(lambda: workers(out))
+    victims = wait(lambda: workers(out))
     for victim in victims or []:
         with contextlib.suppress(ProcessLookupError):
             os.kill(victim, signal.SIGKILL)

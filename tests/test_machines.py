@@ -266,7 +266,7 @@ def a_compiler_of_ones_own_is_told(work):
 
 
 def without_a_sandbox_the_way_out_is_ones_own(work):
-    """Who has bubblewrap is not told to install it, nor root to say what root may not."""
+    """Bubblewrap that is there need not be installed, and root is told what root may do."""
     toolchain = build.Toolchain(".")
     toolchain.compiler = ["/usr/bin/cc"]
     stub(os.path.join(work, "strict"), "bwrap", STRICT_SYSTEM)

@@ -12,13 +12,12 @@ import socket
 import subprocess
 import sys
 import tempfile
-import time
 
 import test_grade
 from test_grade import FEATURES, SOURCE, put, read, run
 from grading import sandbox
 from grading.starters import starter_of
-from tap import check, finish, start
+from tap import check, finish, start, wait
 
 NEEDED = ("munged", "mungekey", "slurmctld", "slurmd", "sbatch", "sinfo", "squeue")
 RIGHT = read(FEATURES["normals"].reference)
@@ -89,7 +88,7 @@ class Cluster:
 
     def is_up(self):
         """Waits for the machine to be ready."""
-        return _wait(lambda: "idle" in self.said("sinfo", "--noheader", "--format=%t"))
+        return wait(lambda: "idle" in self.said("sinfo", "--noheader", "--format=%t"), pause=0.2)
 
     def logs(self):
         return [line for name in ("munged", "slurmctld", "slurmd")
@@ -106,13 +105,6 @@ class Cluster:
 
 def _user():
     return subprocess.run(["id", "-un"], stdout=subprocess.PIPE, text=True, check=True).stdout.strip()
-
-
-def _wait(condition, seconds=60):
-    end = time.monotonic() + seconds
-    while not condition() and time.monotonic() < end:
-        time.sleep(0.2)
-    return condition()
 
 
 def table_of(path):
@@ -145,7 +137,7 @@ def a_class_is_the_same(folder, cluster):
     said = subprocess.run(["sh", "-c", command], cwd=work, env=cluster.environment, text=True, check=False,
                           stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT).stdout
     check("Submitted batch job" in said, "the class is one array of jobs", said)
-    is_done = _wait(lambda: not cluster.said("squeue", "--noheader").strip(), 500)
+    is_done = wait(lambda: not cluster.said("squeue", "--noheader").strip(), 500, 0.2)
     check(is_done, "all jobs end", cluster.said("squeue") + cluster.said("scontrol", "show", "jobs"))
     check(os.path.isdir(os.path.join(folder, "failed")), "the sandbox has failed once")
     tools, out = os.path.join(SOURCE, "tools"), os.path.join(folder, "by parallel")

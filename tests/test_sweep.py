@@ -12,7 +12,6 @@ import signal
 import subprocess
 import sys
 import tempfile
-import time
 import zlib
 from unittest import mock
 
@@ -24,7 +23,7 @@ from grading import parallel_jobs  # noqa: E402
 from grading.assignments import ToolError, read_features  # noqa: E402
 from sweeping import values  # noqa: E402
 from sweeping.picture import texts_of  # noqa: E402
-from tap import check, finish, read, run, start, write  # noqa: E402
+from tap import check, finish, read, run, start, wait, write  # noqa: E402
 
 MAKE = os.environ.get("MAKE", "make")
 FEATURES = read_features(SOURCE)
@@ -234,13 +233,6 @@ def _drivers(out):
     return found
 
 
-def _wait(condition):
-    end = time.monotonic() + 60
-    while not condition() and time.monotonic() < end:
-        time.sleep(0.01)
-    return condition()
-
-
 def begin(*arguments):
     return subprocess.Popen(command(*arguments), stdout=subprocess.PIPE, text=True,
                             stderr=subprocess.STDOUT, start_new_session=True)
@@ -259,12 +251,12 @@ def a_sweep_is_interrupted(folder):
             status = -number if number == signal.SIGKILL else 130
             out = os.path.join(folder, f"{jobs} {number.name}")
             process = begin(out, MANY, SLOW, f"--jobs={jobs}")
-            begun = _wait(lambda out=out: _rows(out) and _drivers(out))
+            begun = wait(lambda out=out: _rows(out) and _drivers(out))
             process.send_signal(number)
             said = process.communicate()[0]
             check(begun and process.returncode == status and (number == signal.SIGKILL or "goes on" in said),
                   f"a sweep is stopped by {number.name} (JOBS={jobs})", said)
-            check(_wait(lambda out=out: not _drivers(out)), "no driver outlives it")
+            check(wait(lambda out=out: not _drivers(out)), "no driver outlives it")
             check(number == signal.SIGKILL or not hidden(out), "and nothing is half-written", hidden(out))
             _, said = sweep(out, MANY, SLOW)
             check(pictures(out) == expected(folder) and not hidden(out)
@@ -275,7 +267,7 @@ def a_killed_driver_is_tried_again(folder):
     for jobs in ("1", "2"):
         out = os.path.join(folder, f"{jobs} victims")
         process = begin(out, MANY, SLOW, f"--jobs={jobs}")
-        victims = _wait(lambda out=out: _drivers(out))
+        victims = wait(lambda out=out: _drivers(out))
         for victim in victims:
             with contextlib.suppress(ProcessLookupError):
                 os.kill(victim, signal.SIGKILL)
@@ -369,7 +361,7 @@ def threads_are_divided(folder):
 def two_sweeps_do_not_mix(folder):
     out = os.path.join(folder, "two")
     process = begin(out, MANY, SLOW)
-    _wait(lambda: _drivers(out))
+    wait(lambda: _drivers(out))
     status, said = sweep(out, "--yaw=0,1")
     check(status == 2 and "another sweep" in said, "a folder into which another one is writing is told", said)
     process.send_signal(signal.SIGTERM)
