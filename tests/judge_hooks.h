@@ -3,6 +3,7 @@
 #define RK_TESTS_JUDGE_HOOKS_H
 
 #include <stdbool.h>
+#include <stddef.h>
 
 /* Before any call of the unit: maps the memory that the environment's RAYKIT_JUDGE names, for this
  * test. */
@@ -17,5 +18,11 @@ void rk_judge_forget(const void *memory) __attribute__((weak));
 
 /* Tells the unit's process that no more calls will come. */
 void rk_judge_disconnect(void) __attribute__((weak));
+
+/* Returns whether all claims hold, and the seconds of each: one after the other with the same
+ * process of the unit, each in a fork of this one, where none finds what another one left. Ends
+ * with the first that does not hold. */
+bool rk_judge_all_hold(bool (*holds)(void *claim), void *claims[], double seconds[], size_t count)
+    __attribute__((weak));
 
 #endif

@@ -349,6 +349,49 @@ def it_ends_with_its_grader():
         os.close(descriptor)
 
 
+# In each call of the function, where `calls` counts those of a process.
+HIDDEN = {
+    "has a loop in its tenth call": "if (++calls == 10)\n        for (volatile int k = 0; k < 2; k = 0) { }",
+    "answers wrongly after its tenth call": "if (++calls > 10)\n        return n;",
+    "leaks in its tenth call": "if (++calls == 10)\n        lost = malloc(16), lost = NULL;",
+    "crashes in its tenth call": "if (++calls == 10)\n        return *(volatile rk_vec3 *)(uintptr_t)calls;",
+    "ends the program in its tenth call": "if (++calls == 10)\n        _exit(0);",
+    "prints in its tenth call": 'if (++calls == 10)\n        puts("ten");',
+}
+
+
+def claims_of_a_step_share_a_process(grader):
+    """Where all of them hold; otherwise each is judged by itself, with the verdict that it would have had."""
+    right, asked, run = text_of("normals"), [], judged.run
+    points = grade.read_points(FEATURES["normals"])
+
+    def noted(toolchain, stem, names, *rest, **options):
+        asked.append(names)
+        return run(toolchain, stem, names, *rest, **options)
+
+    with mock.patch.object(judged, "run", noted):
+        verdicts, _ = grader.verdicts("normals", right, True)
+        steps = len({test.step for test in points})
+        check(all(passed for passed, _ in verdicts.values()) and len(asked) == steps
+              and sorted(sum(asked, [])) == sorted(test.name for test in points),
+              "a right unit has a process for each step", f"{asked} {verdicts}")
+        asked.clear()
+        grader.verdicts("normals", starter_of(FEATURES["normals"].reference), True)
+        check(all([test.name] in asked for test in points if test.step), "a starter has one for each claim",
+              str(asked))
+    before = ("#include <stdio.h>\n#include <stdlib.h>\n#include <unistd.h>\n#include <stdint.h>\n"
+              + by_address("_exit") + "static int calls;\nstatic void *volatile lost;\n")
+    at, first = right.index(CALLED) + len(CALLED), right.index("#include")
+    for what, statement in HIDDEN.items():
+        unit = right[:first] + before + right[first:at] + "    " + statement + "\n" + right[at:]
+        with mock.patch.dict(os.environ, RAYKIT_TEST_SECONDS="2"):
+            said = grader.verdicts("normals", unit, True)
+            with mock.patch.object(grade, "hold_together", lambda *_: False):
+                alone = grader.verdicts("normals", unit, True)
+        check("compile" not in str(said) and said == alone,
+              f"a unit that {what} has the verdicts of single processes", f"{said}\n{alone}")
+
+
 def its_cost_is_measured():
     ended = subprocess.run([sys.executable, "-B", os.path.join(SOURCE, "tools", "bench_grade.py"), "normals",
                             "--rounds", "1"], capture_output=True, text=True, check=False)
@@ -372,6 +415,7 @@ def main():
         grader = Grader(folder)
         a_judge_speculates_until_an_answer_is_another_one(grader)
         its_cost_is_measured()
+        claims_of_a_step_share_a_process(grader)
         units_without_functions_earn_nothing(grader)
         right_units_pass_apart(grader)
         starters_and_mistakes_get_the_same_verdicts(grader)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Grades units against their suites: compiles each once, runs every scored test in a process of its
-own under limits, and reports points.
+"""Grades units against their suites: compiles each once, runs its scored tests in processes of their own
+under limits, and reports points.
 
 A test counts as passed only if its process returns from it and proves so (see verdicts.py);
 crashes, endless loops, leaks and programs that end early are failed tests with a reason.
@@ -37,13 +37,14 @@ from grading.assignments import (
 )
 from grading.parallel_jobs import processors, stop_on_signals
 from grading.starters import is_starter
-from grading.verdicts import Verdict, judge, judge_kept_data, judge_leaks, make_secret
+from grading.verdicts import Verdict, judge, judge_kept_data, judge_leaks, make_secret, printed_lines
 
 MEGABYTES = 2048  # the suites stay below 300 with the sanitizers
 REASON_MAX = 500  # characters; a unit can write a reason of its own
 SOON = 3  # seconds; with a record, what takes longer is run again after all others
 TIMEOUTS = 2  # so many tests of a suite may take all their time; the others then get a part of it
 LOOPS = 6  # after so many that did not end, the others get less again: a loop that all tests run into
+TOGETHER = 10  # of a test's seconds, the part that one call may take of a unit that several tests share
 IN_ALL = 18  # times the seconds of one test, which all tests of a suite may take; the others get a part, too
 DECOYS = 8  # so many passed claims of a suite run again with an end that cannot hold
 
@@ -62,6 +63,7 @@ class Suite:
         self.unit_program, self.claims_together = None, []
         self.finds_leaks, self.is_own, self.remarks = False, True, []
         self.needed_objects, self.excused, self.not_graded = [], set(), ""
+        self.is_slow = False  # then tests are no more run together
 
     def passed(self):
         return all(self.verdicts[test.name].passed for test in self.tests)
@@ -283,7 +285,7 @@ def _run(toolchain, suite, name, limit, megabytes, call_limit=None, decoy=False)
     options, secret = _options(toolchain, suite, limit, megabytes), make_secret(decoy)
     if _is_apart(suite, name):
         options["asks_where"] = suite.hung() < TIMEOUTS  # it takes time, and two places are enough
-        return judged.run(toolchain, suite.feature.stem, name, suite.unit_program, secret,
+        return judged.run(toolchain, suite.feature.stem, [name], suite.unit_program, secret,
                           call_limit, **options)
     options["asks_where"] = suite.hung() < LOOPS
     return sandbox.run(["test_" + suite.feature.stem, "--only", name], program=suite.program, secret=secret,
@@ -314,6 +316,33 @@ def run_test(toolchain, suite, test, seconds, megabytes, record=None):
     if len(verdict.reason) > REASON_MAX:
         verdict.reason = verdict.reason[:REASON_MAX] + " ..."
     return verdict
+
+
+def hold_together(toolchain, suite, tests, seconds, megabytes):
+    """Runs several scored tests with one process of the unit, and fills in their verdicts if all hold and
+    nothing is to be said of any. Returns whether it did; a process for each costs several times as much."""
+    if suite.is_slow or len(tests) < 2:
+        return False
+    outcome = judged.run(toolchain, suite.feature.stem, [test.name for test in tests], suite.unit_program,
+                         make_secret(False), seconds / TOGETHER, asks_where=False,
+                         **_options(toolchain, suite, seconds, megabytes))
+    suite.is_slow |= outcome.limit in ("seconds", "call")
+    times = outcome.testimony.split()
+    if outcome.limit or outcome.status or not outcome.attested or len(times) != len(tests) or printed_lines(
+            outcome.output):
+        return False
+    for test, time in zip(tests, times):
+        verdict = suite.verdicts[test.name] = Verdict(True, seconds=float(time))
+        verdict.worked = outcome.worked / len(tests)
+    return True
+
+
+def _groups(suite):
+    """Returns the tests that are tried together, as lists: those of a step that a judge runs."""
+    groups = {}
+    for test in suite.claims():
+        groups.setdefault(test.step if _is_apart(suite, test.name) else test.name, []).append(test)
+    return list(groups.values())
 
 
 def _about_needs(suite, units):
@@ -397,6 +426,11 @@ def grade(toolchain, suites, units, seconds, megabytes=MEGABYTES, progress=None,
         if record:
             record.add(test.name, suite.verdicts[test.name])
 
+    def run_all_into(suite, tests):
+        if not hold_together(toolchain, suite, tests, seconds, megabytes):
+            for test in tests:
+                run_into(suite, test)
+
     def finish(futures, tell=None):
         for number, done in enumerate(concurrent.futures.as_completed(futures), 1):
             done.result()
@@ -411,12 +445,13 @@ def grade(toolchain, suites, units, seconds, megabytes=MEGABYTES, progress=None,
             finds_leaks = _can_find_leaks(toolchain, built, seconds, megabytes)
             for suite in built:
                 suite.finds_leaks = finds_leaks
-            runs = [(suite, test) for suite in built for test in suite.claims()]
+            runs = [(suite, group) for suite in built for group in _groups(suite)]
             if record:
-                runs.sort(key=lambda run: record.urgency(run[1].name), reverse=True)
+                runs = [(suite, [test]) for suite, group in runs for test in group]
+                runs.sort(key=lambda run: record.urgency(run[1][0].name), reverse=True)
             if progress:
                 progress(0, len(runs))
-            finish([pool.submit(run_into, suite, test) for suite, test in runs], progress)
+            finish([pool.submit(run_all_into, suite, group) for suite, group in runs], progress)
             left_open = [(suite, test) for suite in built for test in suite.claims()
                          if suite.verdicts[test.name].is_open]
             for suite, test in left_open:

@@ -15,6 +15,7 @@
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 #ifndef F_SEAL_FUTURE_WRITE
@@ -321,7 +322,7 @@ void rk_judge_get_allocations(void)
 /* RAYKIT_JUDGE names three descriptors: of both memories, and of the pipe; and the process that
  * begins judges, with which they end. The unit's process gets the first descriptor as well, but can
  * write to that memory no more. */
-void rk_judge_connect(const char *test)
+static void map_memories(void)
 {
     int asked, answered, grader;
     const char *value = getenv("RAYKIT_JUDGE");
@@ -342,6 +343,12 @@ void rk_judge_connect(const char *test)
     }
     rk_judge.asked = (rk_judge_asked *)rk_judge.asked_memory;
     rk_judge.answered = (const rk_judge_answered *)rk_judge.answered_memory;
+}
+
+void rk_judge_connect(const char *test)
+{
+    if (!rk_judge.asked)
+        map_memories();
     rk_judge.asked->lap = rk_judge.lap = 1; /* 0 is that of slots without a request */
     predictor.batch = BATCH_MAX;
     predictor.direct = DIRECT_FIRST;
@@ -364,12 +371,73 @@ bool rk_judge_end_of_test(void)
     return false;
 }
 
+static bool is_one_of_several;
+
+static void tell_the_end(rk_judge_end end)
+{
+    rk_judge.asked->ended = end;
+    atomic_fetch_add(&rk_judge.asked->published, 1); /* ends waiting for the next one */
+    rk_judge_wake_readers();
+}
+
 /* Also after a test that has failed. */
 void rk_judge_disconnect(void)
 {
     rk_judge_end_of_test();
     stop_predictor();
-    rk_judge.asked->ended = 1;
-    atomic_fetch_add(&rk_judge.asked->published, 1); /* ends waiting for the next one */
-    rk_judge_wake_readers();
+    tell_the_end(is_one_of_several ? RK_JUDGE_END_OF_CLAIM : RK_JUDGE_END);
+}
+
+/* --- Several claims -------------------------------------------------------------------------- */
+
+static bool wait_until_unit_has_seen_ends(uint32_t claims)
+{
+    for (uint32_t seen; (seen = rk_judge.answered->claims) != claims;) {
+        rk_judge_wait(&rk_judge.answered->claims, seen, &rk_judge.asked->is_waiting);
+        if (rk_judge.answered->claims == seen && rk_judge_unit_has_ended())
+            return false;
+    }
+    return true;
+}
+
+static void have_unit_go_on(void)
+{
+    atomic_fetch_add(&rk_judge.asked->claims, 1);
+    rk_judge_wake(&rk_judge.asked->claims, &rk_judge.answered->is_waiting);
+}
+
+static double seconds_now(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static bool holds_in_fork(bool (*holds)(void *claim), void *claim)
+{
+    pid_t parent = getpid(), child = fork();
+    if (child == 0) {
+        prctl(PR_SET_PDEATHSIG, SIGKILL);
+        _exit(getppid() == parent && holds(claim) ? 0 : 1);
+    }
+    int status;
+    return child > 0 && waitpid(child, &status, 0) == child && status == 0;
+}
+
+bool rk_judge_all_hold(bool (*holds)(void *claim), void *claims[], double seconds[], size_t count)
+{
+    map_memories();
+    is_one_of_several = true;
+    for (uint32_t i = 0; i < count; i++) {
+        double began = seconds_now();
+        if (!holds_in_fork(holds, claims[i]) || !wait_until_unit_has_seen_ends(i + 1)) {
+            tell_the_end(RK_JUDGE_END);
+            have_unit_go_on();
+            return false;
+        }
+        seconds[i] = seconds_now() - began;
+        *rk_judge.asked = (rk_judge_asked){.claims = i, .ended = i + 1 == count ? RK_JUDGE_END : 0};
+        have_unit_go_on();
+    }
+    return true;
 }

@@ -29,11 +29,17 @@ enum {
 #define RK_JUDGE_ROOMS 0x510000000000
 #define RK_JUDGE_OBJECTS 0x520000000000
 
+typedef enum rk_judge_end {
+    RK_JUDGE_END_OF_CLAIM = 1, /* others follow, from the front */
+    RK_JUDGE_END,
+} rk_judge_end;
+
 /* The judge's side. */
 typedef struct rk_judge_asked {
     _Atomic uint32_t published; /* requests so far, by the judge or a predictor in its place */
     _Atomic uint32_t lap;       /* how often the judge has begun at the front */
-    _Atomic uint32_t ended;     /* no more will come */
+    _Atomic uint32_t ended;     /* no more will come: an rk_judge_end, or 0 */
+    _Atomic uint32_t claims;    /* that have ended, of several */
     _Atomic uint32_t predictor_ends;
     _Atomic uint32_t is_waiting, predictor_waits;
     _Atomic uint64_t predicted; /* calls that the predictor has made */
@@ -43,6 +49,7 @@ typedef struct rk_judge_asked {
 typedef struct rk_judge_answered {
     _Atomic uint32_t answered;
     _Atomic uint32_t is_waiting;
+    _Atomic uint32_t claims; /* whose end was seen */
 } rk_judge_answered;
 
 typedef struct rk_judge_request {

@@ -52,7 +52,7 @@ void rk_judge_wake_readers(void)
     rk_judge_wake(&rk_judge.asked->published, &rk_judge.asked->is_waiting);
 }
 
-static bool unit_has_ended(void)
+bool rk_judge_unit_has_ended(void)
 {
     struct pollfd pipe = {.fd = rk_judge.unit, .events = POLLIN};
     return poll(&pipe, 1, 0) > 0;
@@ -63,7 +63,7 @@ void rk_judge_wait_for_answer(uint32_t number)
     for (uint32_t answered;
          answered = rk_judge.answered->answered, !rk_judge_is_answered(number);) {
         rk_judge_wait(&rk_judge.answered->answered, answered, &rk_judge.asked->is_waiting);
-        if (rk_judge.answered->answered == answered && unit_has_ended())
+        if (rk_judge.answered->answered == answered && rk_judge_unit_has_ended())
             rk_claim_failed(__FILE__, __LINE__,
                             "the code ended the program in the middle of the test: does it call "
                             "exit, or _Exit?");

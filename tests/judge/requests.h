@@ -42,6 +42,8 @@ static inline bool rk_judge_is_answered(uint32_t number)
 /* Has all be seen that was published. */
 void rk_judge_wake_readers(void);
 
+bool rk_judge_unit_has_ended(void);
+
 /* Fails the test if the unit's process ends before. */
 void rk_judge_wait_for_answer(uint32_t number);
 

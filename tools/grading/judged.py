@@ -61,7 +61,7 @@ class _Judge:
     """The process that runs the suite, which makes one of the memories read-only for all others before a unit
     runs."""
 
-    def __init__(self, toolchain, stem, name, descriptors, secret):
+    def __init__(self, toolchain, stem, names, descriptors, secret):
         asked, answered, alive = descriptors
         self._ours, theirs = socket.socketpair()
         self._secret, self._failed_at = secret, None
@@ -72,8 +72,8 @@ class _Judge:
                            RAYKIT_ATTEST=str(theirs.fileno()))
         with theirs:
             self.process = subprocess.Popen(
-                [toolchain.built(files(stem)[0]), "--only", name], env=environment, stdin=subprocess.DEVNULL,
-                stdout=self._said, stderr=subprocess.STDOUT, start_new_session=True,
+                [toolchain.built(files(stem)[0]), "--only", *names], env=environment,
+                stdin=subprocess.DEVNULL, stdout=self._said, stderr=subprocess.STDOUT, start_new_session=True,
                 pass_fds=(*descriptors, theirs.fileno()))
         while not fcntl.fcntl(asked, _GET_SEALS) & _SEAL_FUTURE_WRITE and self.process.poll() is None:
             time.sleep(0.0005)
@@ -111,15 +111,16 @@ class _Judge:
         self.process.wait()
 
 
-def run(toolchain, stem, name, program, secret, call_seconds=None, **options):
-    """Runs one claim with the unit's program, which may work in one call for so many seconds; `options` are
-    those of sandbox.run. Returns its Outcome, as of one process that would have run both."""
+def run(toolchain, stem, names, program, secret, call_seconds=None, **options):
+    """Runs claims with the unit's program, which may work in one call for so many seconds; `options` are
+    those of sandbox.run. Returns their Outcome, as of one process that would have run both. Several are
+    attested if all hold; the testimony is then the seconds of each."""
     asked, answered = _shared_memory("requests"), _shared_memory("answers")
     alive, held = os.pipe()
     judge, descriptors = None, [asked, answered, alive, held]
     calls = call_seconds and (lambda: os.pread(answered, _ANSWERED, 0), call_seconds)
     try:
-        judge = _Judge(toolchain, stem, name, (asked, answered, alive), secret)
+        judge = _Judge(toolchain, stem, names, (asked, answered, alive), secret)
         options["environment"] = dict(options["environment"], RAYKIT_JUDGE=f"{asked},{answered}")
         # The judge sees by the pipe that the unit's process has ended.
         outcome = sandbox.run(["unit_" + stem], program=program, descriptors=(asked, answered, held),
