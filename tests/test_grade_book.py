@@ -302,6 +302,15 @@ def a_table_is_safe(top):
           "points have the penalty; who was not graded, or is missing, has an empty cell", one)
     check([rows[name]["note"] for name in ("1001", "1005", "1006")] == ["", "missing", "not graded"],
           "and why it is empty", one)
+    check([rows["1002"][name] for name in ("bloom graded", "bloom penalty", "bloom")] == ["55", "11", "44"],
+          "with a penalty, it shows what was graded, the penalty, and what counts", one)
+    two = Course(top, TWO).book("csv", "--penalty", "10")
+    rows = {row["id"]: row for row in csv.DictReader(io.StringIO(two.data.decode()))}
+    check([rows["1002"][name] for name in ("total graded", "total penalty", "total")] == ["155", "31", "124"]
+          and rows["1003"]["total penalty"] == "" and rows["1003"]["bloom penalty"] == "0",
+          "of several assignments the sum, too, where all parts are known", two)
+    two.book("csv")
+    check("graded" not in two.data.decode().splitlines()[0], "without one, what was graded counts", two)
     one.book("csv", "--missing", "0", template=MOODLE)
     check(one.status == 2 and "TEMPLATE: FORMAT=csv takes none" in one.said, "it has no template", one)
 
@@ -323,7 +332,7 @@ def penalties_are_exact(top):
               f"{penalty} is no penalty", one)
     one = Course(top, ONE, COLLECTED.replace(",2,", ",?,")).book("csv", "--penalty", "10")
     check(one.status == 1 and "Müller, Jörg (1002): days_late is ?" in one.said
-          and '"Müller, Jörg",jm@uni.edu,,1002,,100,?,days late unknown' in one.data.decode(),
+          and '"Müller, Jörg",jm@uni.edu,,1002,55,,,100,?,days late unknown' in one.data.decode(),
           "unknown days are asked for, not guessed", one)
     check("10 percent for each day were taken from 2 students" in one.said, "how many are late is said", one)
     one = Course(top, ONE, re.sub(r",[012],", ",,", COLLECTED)).book("csv", "--penalty", "10")

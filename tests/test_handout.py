@@ -422,7 +422,7 @@ def the_starters_are_failed(pack):
     status, said = run(pack, make, "-s", f"diff-{STEM}")
     check(status == 0 and "unchanged" in said, "the difference to the starter is none yet", said)
     for target in ("handout", "check-suites", "check-grade", "grade-class", "collect", "grade-book",
-                   "new-feature"):
+                   "feedback", "new-feature"):
         status, said = run(pack, make, "-s", target)
         check(status != 0 and "this is a handout" in said, f"make {target} says that this is a handout", said)
     status, said = run(pack, make, "-s", "check-shading")

@@ -14,8 +14,9 @@ begins with each 24 hours after the grace. The roster's column due gives student
 days_late a number in place of what is found out. OUT/ID/STEM.c is a student's, with the headers beside it
 that it includes; a group has one folder, that of its first member on the roster. OUT/collected.csv has a row
 for each student, missing ones, too, and says by what each time is known; who delivered what could not be
-collected has "not collected" and the reason in remarks. An OUT that this command wrote is replaced, whole or
-not at all; what was corrected by hand in it stays, and is told.
+collected has "not collected" and the reason in remarks. The column delivered keeps the name under which each
+student's work came, by which make feedback sends reports back. An OUT that this command wrote is replaced,
+whole or not at all; what was corrected by hand in it stays, and is told.
 """
 
 import argparse
@@ -45,7 +46,8 @@ def _row(student, submission, unread, stems):
                *(submission.remarks if submission else [])]
     row = dict.fromkeys(HEADING, "") | {
         "id": student.id, "name": student.name, "email": student.email, "group": student.group,
-        "remarks": "; ".join(remarks or ["missing"]), "assignments": " ".join(stems)}
+        "remarks": "; ".join(remarks or ["missing"]), "assignments": " ".join(stems),
+        "delivered": submission.delivered.get(student, "") if submission else ""}
     if not submission or not submission.files:
         return row
     time, deadline = submission.time, submission.deadline

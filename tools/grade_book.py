@@ -10,9 +10,10 @@ TEMPLATE, writes what Grades, Import, CSV file takes.
 Points that nobody knows are left as the TEMPLATE has them, empty without one: they are not 0. So are those of
 students who handed in nothing, unless MISSING=0. Points that the TEMPLATE has already become those of the
 results, and are listed if these are others; KEEP=yes leaves them as they are. PENALTY=10 takes 10 percent of
-an assignment's points for each day late; the rest is rounded to whole points, a half up. In FORMAT=csv, an
-apostrophe stands before what a spreadsheet would take for a formula; the other forms have names as the
-TEMPLATE has them.
+an assignment's points for each day late; the rest is rounded to whole points, a half up. FORMAT=csv then has
+three columns for each assignment: what was graded, the penalty, and what counts; the other forms have what
+counts, and students read all three in their reports (make feedback). In FORMAT=csv, an apostrophe stands
+before what a spreadsheet would take for a formula; the other forms have names as the TEMPLATE has them.
 """
 
 import argparse
@@ -29,7 +30,7 @@ _SHOWN = 40  # faults on the screen
 
 
 def _part(stem):
-    return lambda grade: grade.points[stem]
+    return lambda grade: grade.counts(stem)
 
 
 def _check_out(out, *sources):
@@ -60,11 +61,11 @@ def grade_book(options):
     _check_out(options.out, options.template, options.roster, results.path)
     grades, faults = grades_of(results, options.roster, percent, 0 if options.missing else None)
     wanted = [(stem, _part(stem)) for stem in results.stems]
-    wanted += [("total", lambda grade: grade.total())] if len(wanted) > 1 else []
+    wanted += [("total", _part("total"))] if len(wanted) > 1 else []
     maxima = {stem: sum(test.points for test in read_points(features[stem])) for stem in results.stems}
     maxima["total"] = sum(maxima.values())
     book = Book(grades, wanted, maxima, features, options.template, options.column,
-                options.keep)
+                options.keep, bool(percent))
     text, encoding = FORMS[options.format](book)
     write_whole(options.out, text, encoding)
     faults += book.faults

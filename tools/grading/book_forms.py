@@ -13,8 +13,10 @@ import csv
 import io
 import os
 import re
+from functools import partial
 
 from grading.assignments import ToolError
+from grading.book_points import Grade
 from grading.collect_names import Matcher, plain
 from grading.collect_roster import read_table
 from grading.results import csv_cell
@@ -23,11 +25,12 @@ from grading.results import csv_cell
 class Book:
     """What is to be written: `wanted` pairs of a name (a stem, or total) and a function from a Grade to its
     points; `maxima` by name; `template` and `column` as the instructor gave them, or empty; `keeps` whether
-    points that a template has stay. `changed` are sentences on those that became others, or would have."""
+    points that a template has stay; `has_penalty` whether being late costs points. `changed` are sentences on
+    points that became others, or would have."""
 
-    def __init__(self, grades, wanted, maxima, known, template, column, keeps):
+    def __init__(self, grades, wanted, maxima, known, template, column, keeps, has_penalty):
         self.grades, self.wanted, self.maxima, self.known = grades, wanted, maxima, known
-        self.template, self.column, self.keeps = template, column, keeps
+        self.template, self.column, self.keeps, self.has_penalty = template, column, keeps, has_penalty
         self.faults, self.remarks, self.changed = [], [], []
 
     def check_maximum(self, text, name, where):
@@ -159,6 +162,35 @@ def canvas(book):
                   for row in rows], delimiter), "utf-8"
 
 
+def _read_worksheet(book):
+    """Returns the heading of Moodle's offline grading worksheet, its other rows, its delimiter, and keys for
+    Book.join."""
+    heading, rows, delimiter, _ = _read_template(book, "Moodle's offline grading worksheet")
+    for name in ("Identifier", "Grade", "Last modified (grade)"):
+        if name not in heading:
+            raise ToolError(f"TEMPLATE: {book.template}:1: there is no column \"{name}\"; set Moodle's "
+                            "language to "
+                            "English, and download the grading worksheet of the assignment again")
+
+    def keys(row):
+        email, login = _cell(row, heading, "Email address"), _cell(row, heading, "Username")
+        return _cell(row, heading, "ID number"), email, login, _cell(row, heading, "Full name")
+
+    return heading, rows[1:], delimiter, keys
+
+
+def participants(path, grades):
+    """Returns a dictionary from students to their numbers in a worksheet."""
+    book = Book(grades, [], {}, {}, path, "", False, False)
+    heading, rows, _, keys = _read_worksheet(book)
+    numbers = {}
+    for row, grade in book.join(rows, keys):
+        found = re.fullmatch(r"Participant (\d+)", row[heading.index("Identifier")])
+        if grade and found:
+            numbers[grade.student] = found[1]
+    return numbers
+
+
 def moodle(book):
     """The offline grading worksheet of one assignment, with its columns in their order; without one, what
     Grades, Import, CSV file takes."""
@@ -167,20 +199,10 @@ def moodle(book):
         rows = [[grade.student.id, grade.student.email,
                  *(book.fill("", grade, points) for _, points in book.wanted)] for grade in book.grades]
         return _text([heading, *rows], ","), "utf-8"
-    heading, rows, delimiter, _ = _read_template(book, "Moodle's offline grading worksheet")
-    for name in ("Identifier", "Grade", "Last modified (grade)"):
-        if name not in heading:
-            raise ToolError(f"TEMPLATE: {book.template}:1: there is no column \"{name}\"; set Moodle's "
-                            "language to "
-                            "English, and download the grading worksheet of the assignment again")
+    heading, rows, delimiter, keys = _read_worksheet(book)
     column, (name, points) = heading.index("Grade"), book.wanted[-1]
-
-    def keys(row):
-        email, login = _cell(row, heading, "Email address"), _cell(row, heading, "Username")
-        return _cell(row, heading, "ID number"), email, login, _cell(row, heading, "Full name")
-
     filled = [heading]
-    for row, grade in book.join(rows[1:], keys):
+    for row, grade in book.join(rows, keys):
         status = " ".join(_cell(row, heading, "Status"))
         if grade and grade.note == "missing" and "Submitted" in status:
             book.faults.append(f"{grade.student} submitted something, says {book.template}, but nothing was "
@@ -228,12 +250,18 @@ def table(book):
     """A plain table for people and spreadsheets: no cell of it is a formula."""
     if book.template:
         raise ToolError("TEMPLATE: FORMAT=csv takes none; choose FORMAT=moodle, canvas or blackboard")
-    rows = [["id", "name", "email", "group", "submission", *(name for name, _ in book.wanted), "maximum",
+    columns = []
+    for name, points in book.wanted:
+        if book.has_penalty:
+            columns += [(f"{name} graded", partial(Grade.graded, name=name)),
+                        (f"{name} penalty", partial(Grade.penalty, name=name))]
+        columns.append((name, points))
+    rows = [["id", "name", "email", "group", "submission", *(name for name, _ in columns), "maximum",
              "days_late", "note"]]
     for grade in book.grades:
         row = grade.row
         who = [row["id"], row["name"], row["email"], row.get("group", ""), row["submission"]]
-        rows.append([*map(csv_cell, who), *(book.fill("", grade, points) for _, points in book.wanted),
+        rows.append([*map(csv_cell, who), *(book.fill("", grade, points) for _, points in columns),
                      book.maxima[book.wanted[-1][0]], csv_cell(row["days_late"]), grade.note])
     return _text(rows, ","), "utf-8"
 

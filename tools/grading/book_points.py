@@ -63,16 +63,36 @@ class Results:
         return int(cell) if cell else None
 
 
-class Grade:
-    """A student with points, a dictionary from stems to numbers or None, and the reason for None."""
+def _sum(parts):
+    return None if None in parts.values() else sum(parts.values())
 
-    def __init__(self, row, points, note=""):
+
+class Grade:
+    """A student with two dictionaries from stems to points, or None: `graded`, those of the results, and
+    `points`, those that count, after the penalty; and the reason for None. `days` late are counted if there
+    is a penalty, else None."""
+
+    def __init__(self, row, points, note="", graded=None, days=None):
         self.student = Student(row["id"], row["name"], row["email"], row.get("group", ""))
-        self.row, self.points, self.note = row, points, note
+        self.row, self.points, self.note, self.days = row, points, note, days
+        self._graded = points if graded is None else graded
 
     def total(self):
         """Returns the sum, None if a part of it was not graded."""
-        return None if None in self.points.values() else sum(self.points.values())
+        return _sum(self.points)
+
+    def graded(self, name):
+        """Returns the points before the penalty of a stem, or of the total; None if nobody knows."""
+        return _sum(self._graded) if name == "total" else self._graded[name]
+
+    def counts(self, name):
+        """Returns what counts of them."""
+        return self.total() if name == "total" else self.points[name]
+
+    def penalty(self, name):
+        """Returns what being late costs of them."""
+        graded, counts = self.graded(name), self.counts(name)
+        return None if None in (graded, counts) else graded - counts
 
 
 _NOT_COLLECTED = "not collected: "  # as make collect remarks, before the reason
@@ -85,24 +105,23 @@ def _grade_of(row, results, percent, missing):
     if not row["submission"] and _NOT_COLLECTED in remarks:
         return Grade(row, nothing, "not collected"), remarks
     if not row["submission"]:
-        return Grade(row, dict.fromkeys(results.stems, missing), "missing"), ""
+        return Grade(row, dict.fromkeys(results.stems, missing), "missing", nothing), ""
     if row["submission"] not in results.rows:
         fault = f"the submission {row['submission']} has no row in {results.path}"
         return Grade(row, nothing, "not graded"), fault
-    points, days = results.rows[row["submission"]], row["days_late"]
+    left_out = dict.fromkeys(stem for stem in results.stems if f"{_NOT_COLLECTED}{stem}.c:" in remarks)
+    graded, days = {**results.rows[row["submission"]], **left_out}, row["days_late"]
     if percent and not re.fullmatch(r"\d+(\.0*)?", days):
         fault = f"days_late is {days or 'empty'}; write the number into collected.csv"
-        return Grade(row, nothing, "days late unknown"), fault
-    if percent:
-        days = int(float(days))
-        points = {stem: most if most is None else with_penalty(most, percent, days)
-                  for stem, most in points.items()}
-    left_out = [stem for stem in points if f"{_NOT_COLLECTED}{stem}.c:" in remarks]
+        return Grade(row, nothing, "days late unknown", graded), fault
+    days = int(float(days)) if percent else None
+    points = {stem: most if most is None or not percent else with_penalty(most, percent, days)
+              for stem, most in graded.items()}
     if left_out:
-        return Grade(row, {**points, **dict.fromkeys(left_out)}, "not collected"), remarks
+        return Grade(row, points, "not collected", graded, days), remarks
     lacking = [stem for stem, count in points.items() if count is None]
     fault = f"{', '.join(lacking)} could not be graded ({results.path} has the reason)" if lacking else ""
-    return Grade(row, points, "not graded" if lacking else ""), fault
+    return Grade(row, points, "not graded" if lacking else "", graded, days), fault
 
 
 def grades_of(results, roster, percent, missing):

@@ -10,7 +10,7 @@ from grading.assignments import ToolError
 from grading.results import csv_cell, text_of_cell
 
 RECORD = ".collected.json"
-_CELLS = ("submission", "submitted", "days_late")
+_CELLS = ("submission", "submitted", "days_late", "delivered")
 _REMARKS = "remarks"
 
 

@@ -16,12 +16,13 @@ def some(names):
 class Submission:
     """Files that count, as a dictionary from their names to where they are read; when the last of them came,
     and how many days late, None if nobody knows, for the reasons `unknown`. `lacking` says what was not
-    collected."""
+    collected; `delivered` are the names, by student, of what each has handed in, by which platforms take
+    feedback back."""
 
     def __init__(self, team, deadline):
         self.deadline = deadline.of(team)
         self.team, self.files, self.remarks, self.lacking, self.unknown = team, {}, [], [], []
-        self.time, self.days = None, 0
+        self.time, self.days, self.delivered = None, 0, {}
 
     def add(self, one, headers):
         """Takes a unit with its headers; returns the names of those that another unit has with other text."""
@@ -47,6 +48,15 @@ def _headers_around(one, items):
     return beside, called
 
 
+def _delivered(items, chosen):
+    """Returns a dictionary from students to the name of their own delivery: the platform's last one, which is
+    the one that it shows, else the one that counts."""
+    names = {}
+    for item in sorted(items, key=lambda item: (item.reading.serial, item in chosen)):
+        names.update(dict.fromkeys(item.students, item.parts[-1]))
+    return names
+
+
 def _submission_of(team, items, sorted_items, times, deadline):
     """Returns what counts of a team's items. Adds to the faults of all items."""
     submission, candidates, faults = Submission(team, deadline), {}, []
@@ -55,7 +65,7 @@ def _submission_of(team, items, sorted_items, times, deadline):
         for found, name, stem, again in sorted_items.units_of(item):
             one = Candidate(item, found, stem, name, again, *times.of(item, found, deadline))
             candidates.setdefault(stem, []).append(one)
-    sources = []
+    sources, chosen = [], []
     for stem, some in sorted(candidates.items()):
         one, fault, remarks = choose(some, stem, deadline)
         submission.remarks += remarks
@@ -69,10 +79,12 @@ def _submission_of(team, items, sorted_items, times, deadline):
         faults += [f"there are two {name} of different text; the one beside {stem}.c was taken"
                    for name in submission.add(one, headers)]
         sources.append(one.source)
+        chosen.append(one.item)
         if len(team) > 1:
             sources += [f"handed in by {student.name or student.id}" for student in one.item.students]
         if one.days is None:
             submission.unknown.append(one.source)
+    submission.delivered = _delivered(items, chosen)
     if not candidates:
         names = list(dict.fromkeys(found.parts[-1] for item in items for found in item.files))
         stems = sorted_items.units.stems

@@ -14,7 +14,7 @@ from grading.results import csv_cell, printable, text_of_cell
 TABLE = "collected.csv"
 LIST = "collected.txt"  # all that is too much for the screen
 HEADING = ["submission", "id", "name", "email", "group", "submitted", "days_late", "remarks",
-           "assignments"]
+           "assignments", "delivered"]
 
 
 def read_collected(path):

@@ -441,15 +441,15 @@ FORMATS = {"text": text, "table": table, "tap": tap, "junit": junit, "gradescope
 
 
 def write_whole(path, content, encoding="utf-8"):
-    """Puts a file in place when it is complete."""
+    """Puts a file, a text or bytes, in place when it is complete."""
     folder = os.path.dirname(path) or "."
     try:
         descriptor, part = tempfile.mkstemp(prefix=".part-", dir=folder)
     except OSError as error:
         raise cannot_write(path, error) from error
     try:
-        with os.fdopen(descriptor, "w", encoding=encoding) as file:
-            file.write(content)
+        with os.fdopen(descriptor, "wb") as file:
+            file.write(content if isinstance(content, bytes) else content.encode(encoding))
         mask = os.umask(0)
         os.umask(mask)
         os.chmod(part, 0o666 & ~mask)
