@@ -8,12 +8,14 @@ import contextlib
 import csv
 import json
 import os
+import re
 import resource
 import shutil
 import signal
 import subprocess
 import tempfile
 import time
+import zipfile
 
 import test_class
 import test_grade
@@ -246,6 +248,28 @@ def grade_book_has_all(folder, place, out, members, rows):
           "the grade book has all, a group's members alike, with what being late costs", wrong or said)
 
 
+def feedback_agrees(folder, place, out, members):
+    """What each student reads is what the grade book has."""
+    feedback = os.path.join(folder, "feedback.zip")
+    _, said = timed("make feedback", *make("feedback", f"RESULTS={out}", f"ROSTER={place}/collected.csv",
+                                           "FORMAT=plain", f"OUT={feedback}", f"PENALTY={_PENALTY}"))
+    book = {row["id"]: row["normals"] for row in table(os.path.join(folder, "grades.csv"))}
+    with zipfile.ZipFile(feedback) as archive:
+        texts = {name.partition("/")[0]: archive.read(name).decode() for name in archive.namelist()}
+
+    def fault(member):
+        line = next((line for line in texts.get(member.id, "").splitlines() if line.startswith("normals: ")),
+                    "")
+        found = re.search(r": (\d+) counts?\.$", line) or re.match(r"normals: (\d+) of 100 points", line)
+        got = found[1] if found else ""
+        return "" if got == book[member.id] else f"the grade book has {book[member.id]!r}: {line}"
+
+    wrong = wrong_in(members, fault)
+    check(not wrong and len(texts) == sum(bool(member.team) for member in members)
+          and any("cost" in text for text in texts.values()),
+          "each student reads the number that the grade book has", wrong or said)
+
+
 def copies_are_found(place, out, members):
     """Those who make the same mistake have the same text here, and are not looked at."""
     status, said = timed("make similar", *make("similar", f"SUBMISSIONS={place}", f"OUT={out}"))
@@ -262,9 +286,11 @@ def copies_are_found(place, out, members):
           f"lacks {wanted - found}, has {found - wanted}\n{said}")
 
 
-def page_is_made(out, members):
-    status, said = timed("make class-page", *make("class-page", f"RESULTS={out}"))
-    check(status == 0 and f"{len(one_of_each(members))} verdicts" in said
+def page_is_made(place, out, members):
+    status, said = timed("make class-page", *make("class-page", f"RESULTS={out}",
+                                                  f"ROSTER={place}/collected.csv"))
+    missing = sum(member.work.kind == "missing" for member in members)
+    check(status == 0 and f"{len(one_of_each(members))} verdicts, {missing} missing" in said
           and os.path.getsize(os.path.join(out, "class.html")), "the class's page is of all of them", said)
 
 
@@ -300,8 +326,9 @@ def main():
         expected_claims_fail(members, out)
         disturbed(folder, place, members, rows)
         grade_book_has_all(folder, place, out, members, rows)
+        feedback_agrees(folder, place, out, members)
         copies_are_found(place, out, members)
-        page_is_made(out, members)
+        page_is_made(place, out, members)
     finally:
         sandbox.end_strays()
         shutil.rmtree(folder, ignore_errors=True)

@@ -37,7 +37,7 @@ class Page(html.parser.HTMLParser):
     """The tables by caption, as lists of rows of cells; the items and paragraphs; what stands open at the
     end."""
 
-    VOID = {"meta", "link", "img", "rect", "line", "wbr"}
+    VOID = {"meta", "link", "img", "rect", "line", "wbr", "br"}
 
     def __init__(self, text):
         super().__init__()
@@ -50,6 +50,8 @@ class Page(html.parser.HTMLParser):
         self.tags.append((tag, dict(attrs)))
         if tag == "img":
             self.images.append(dict(attrs))
+        if tag == "br":
+            self._text += "\n"
         if tag not in self.VOID and not self.get_starttag_text().endswith("/>"):
             self.open.append(tag)
         if tag in ("caption", "th", "td", "li", "p"):
@@ -97,10 +99,10 @@ def put(folder, verdicts):
         write(json.dumps(verdict), folder, "verdicts", verdict["assignment"], f"{number}.json")
 
 
-def page_of(folder, build="/nowhere"):
+def page_of(folder, build="/nowhere", roster="", out=""):
     with contextlib.redirect_stdout(io.StringIO()):
-        class_page.write_page(SOURCE, build, [], folder)
-    return Page(read(folder, "class.html"))
+        class_page.write_page(SOURCE, build, [], folder, roster, out)
+    return Page(read(out or folder, "class.html"))
 
 
 # --- The second count: from the verdicts, in other ways ------------------------------------------
@@ -141,10 +143,12 @@ def numbers_are_right(page, verdicts):
             test = next(test for test in read_points(FEATURES[stem]) if test.name == name)
             got = [c["reason"].split("\n")[0] for v in begun if first_failed(v) == name
                    for c in v["claims"] if c["name"] == name]
-            text, times = re.fullmatch(r"(.*) \((\d+) of \d+\)", reason).groups()
-            if not (got.count(text) == int(times) == max(map(got.count, got)) and test.section in section):
-                check(False, f"{stem}: {name}: reason and section", f"{reason} {section}")
-        check(True, f"{stem}: reasons are the most frequent, sections the claims'")
+            told = [re.fullmatch(r"(.*) \((\d+) of \d+\)", line).groups() for line in reason.split("\n")]
+            wanted = sorted(map(got.count, set(got)), reverse=True)
+            if not ([got.count(text) for text, _ in told] == [int(times) for _, times in told] == wanted
+                    and test.section in section):
+                check(False, f"{stem}: {name}: reasons and section", f"{reason} {section}")
+        check(True, f"{stem}: reasons with how many have each, most first, sections the claims'")
         early = {test.name for test in read_points(FEATURES[stem]) if test.green_since}
         wanted = []
         for step in sorted({c["step"] for c in of_stem[0]["claims"]} - {0}):
@@ -270,6 +274,142 @@ def pictures_are_embedded(folder):
     check(not page_of(results, build).images, "what is no picture is not")
 
 
+def stuck_at(claim, reason, name, level=5):
+    """A verdict on a unit that fails this claim first, for this reason."""
+    verdict = verdict_of(random.Random(1), "bloom", name, "2026-11-21 20:00:00 +0000", 0)
+    names = [test["name"] for test in verdict["claims"]]
+    for number, test in enumerate(verdict["claims"]):
+        test["passed"] = number < names.index(claim)
+        test["reason"] = "" if test["passed"] else reason
+    return {**verdict, "problem": "", "is_starter": False}
+
+
+def reasons_are_not_merged(folder):
+    """Who is stuck at one claim need not have made the same mistake."""
+    results = os.path.join(folder, "reasons")
+    rows = class_page.read_wrong(SOURCE, FEATURES["bloom"])
+    tests = [test.name for test in read_points(FEATURES["bloom"])]
+    claim = next(row.mutant.fails[0] for row in rows if tests.index(row.mutant.fails[0]) > 0)
+    mistake = "; you get exactly this if the row is divided by "
+    reasons = [f"got 1, want 2{mistake}2^r", f"got 3, want 2{mistake}8^r", f"got 4, want 9: of another row"
+               f"{mistake}8^r", f"got 3, want 2{mistake}8^r\nyour code printed: hello"]
+    put(results, [stuck_at(claim, reason, f"s{number}") for number, reason in enumerate(reasons)])
+    row = page_of(results).tables["Where those who have begun bloom are stuck"][1]
+    told = row[2].split("\n")
+    check(row[1] == "4" and len(told) == 2 and "8^r (3 of 4)" in told[0] and "2^r (1 of 4)" in told[1],
+          "who is stuck at one claim by another mistake is told apart, whatever the numbers", row)
+    check("Perhaps" not in row[4] and "each reason says it" in row[4],
+          "where the reasons say the mistake, no other is supposed", row)
+    put(results, [stuck_at(claim, reason, f"s{number}")
+                  for number, reason in enumerate([*reasons[:2], "got 7, want 2", "got 8, want 2"])])
+    row = page_of(results).tables["Where those who have begun bloom are stuck"][1]
+    check(row[2].count("(1 of 4)") == 4 and "Perhaps" in row[4] and "2 of 4" in row[4],
+          "where some do not, a known one is supposed of these", row)
+    loops = [stuck_at(claim, f"did not end within {number} s in one call: an endless loop?", f"s{number}")
+             for number in range(2, 6)]
+    put(results, loops + [stuck_at(claim, f"got {number}", f"t{number}") for number in range(9)])
+    row = page_of(results).tables["Where those who have begun bloom are stuck"][1]
+    told = row[2].split("\n")
+    check("(4 of 13)" in told[0] and told[-1] == "4 other reasons (4 of 13)" and len(told) == 7,
+          "loops are one reason, whatever their limit, and of many reasons the first are shown", row)
+
+
+COLLECTED = """submission,id,name,email,group,submitted,days_late,remarks,assignments
+s1,s1,Ann <Mason>,a@b,,,,,bloom
+s2,s2,Kim Lou,k@b,A,,,,bloom
+s2,s3,Tom Jarvis,t@b,A,,,,bloom
+,s4,Zoë Berg,z@b,,,,missing,bloom
+,s5,Eve Fox,e@b,,,,not collected: w.7z: 7z archives are not unpacked here,bloom
+s6,s6,Not Judged,n@b,,,,,bloom
+"""
+
+
+def a_roster_names_who_is_missing(folder):
+    results, roster = os.path.join(folder, "roster"), os.path.join(folder, "collected.csv")
+    write(COLLECTED, roster)
+    tests = [test.name for test in read_points(FEATURES["bloom"])]
+    put(results, [stuck_at(tests[9], "got 1", name) for name in ("s1", "s2", "stranger")])
+    plain = page_of(results)
+    check("roster" not in str(plain.said) and "s4" not in str(plain.tables),
+          "without a roster nobody is missing", plain.said)
+    page = page_of(results, roster=roster)
+    check(any(text.startswith("Of 6 students on the roster, 1 handed in nothing, and the work of 1 was not "
+                              "collected.") for text in page.said),
+          "with one it is counted who is missing, and whose work was not collected", page.said)
+    check(any(text == "Not on the roster: stranger." for text in page.said), "strangers are named", page.said)
+    rows = page.tables["Whom to talk to"]
+    check(rows[0][0] == "student" and rows[1:] == [
+        ["Eve Fox (s5)", "bloom", "handed in what was not collected",
+         "w.7z: 7z archives are not unpacked here"],
+        ["Not Judged (s6)", "bloom", "was not graded", "there is no verdict in the results"],
+        ["Zoë Berg (s4)", "bloom", "handed in nothing", ""]], "and all of these are among those to talk to",
+        [str(row) for row in rows])
+    again = [stuck_at(tests[9], "got 2", "s1"), {**stuck_at(tests[9], "got 2", "s2"), "problem": "x"}]
+    put(results, [{**verdict, "key": "new"} for verdict in again])
+    words = page_of(results, roster=roster).tables["Whom to talk to"]
+    check([row[0] for row in words[1:]] == [
+        "Eve Fox (s5)", "Not Judged (s6)", "Kim Lou (s2), Tom Jarvis (s3)", "Ann <Mason> (s1)",
+        "Zoë Berg (s4)"],
+          "the others have their names there, a group all of its members'", [str(row) for row in words])
+    for text, said in ((COLLECTED.replace("bloom", "shading"), "is of shading"),
+                       ("id,name\n1,A\n", "make collect")):
+        write(text, roster)
+        try:
+            page_of(results, roster=roster)
+            check(False, f"a roster is refused: {said}")
+        except ToolError as error:
+            check(said in str(error) and "ROSTER" in str(error), f"a roster is refused: {said}", error)
+
+
+def several_results_are_one_page(folder):
+    week, other, out = (os.path.join(folder, name) for name in ("of bloom", "shading", "both"))
+    put(week, [verdict_of(random.Random(seed), "bloom", f"s{seed}", "2026-11-21 20:00:00 +0000")
+               for seed in range(9)])
+    put(other, [verdict_of(random.Random(seed), "shading", f"s{seed}", "2026-11-22 20:00:00 +0000")
+                for seed in range(7)])
+    os.mkdir(out)
+    page = page_of(week)
+    check("Steps of bloom" in page.tables, "a folder's name may have spaces")
+    os.rename(week, os.path.join(folder, "bloom"))
+    page = page_of(f"{folder}/bloom {other}", out=out)
+    check({"Steps of bloom", "Steps of shading"} <= set(page.tables) and len(page.tables) > 4
+          and os.path.exists(os.path.join(out, "class_page.json")),
+          "several folders of results are one page, in OUT", list(page.tables))
+    for name, stem in (("b.csv", "bloom"), ("s.csv", "shading")):
+        write(COLLECTED.replace(",bloom\n", f",{stem}\n").replace("s4,Zoë", f"{stem[0]}4,Zoë"), folder, name)
+    page = page_of(f"{folder}/bloom {other}", out=out, roster=f"{folder}/b.csv {folder}/s.csv")
+    missing = [row[:2] for row in page.tables["Whom to talk to"] if row[2] == "handed in nothing"]
+    check(missing == [["Zoë Berg (b4)", "bloom"], ["Zoë Berg (s4)", "shading"]],
+          "each with its own roster", missing)
+    page = page_of(f"{folder}/bloom {other}", out=out, roster=f"{folder}/b.csv")
+    check(any("no roster of shading was given" in text for text in page.said),
+          "or told that it has none", page.said)
+    newer = verdict_of(random.Random(1), "bloom", "s1", "2026-11-23 01:00:00 +0500", 0)
+    put(other, [{**newer, "problem": "new"}])
+    page = page_of(f"{folder}/bloom {other}", out=out)
+    check(["s1", "bloom", "nothing ran", "new"] in page.tables["Whom to talk to"]
+          and any("of 9 have begun" in text for text in page.said),
+          "of two verdicts on one submission the newer one counts", page.said)
+    for folders, roster, said in ((f"{folder}/bloom {folder}/nowhere", "", "nowhere/verdicts"),
+                                  (f"{folder}/bloom {other}", f"{folder}/b.csv {folder}/b.csv",
+                                   "are both of bloom")):
+        try:
+            page_of(folders, out=out, roster=roster)
+            check(False, f"it is told: {said}")
+        except ToolError as error:
+            check(said in str(error), f"it is told: {said}", error)
+
+
+def a_class_that_was_not_graded_has_a_page(folder):
+    results = os.path.join(folder, "ungraded")
+    put(results, [{**verdict_of(random.Random(1), "bloom", "s1", "2026-11-21 20:00:00 +0000"),
+                   "not_graded": "unpack w.zip"}])
+    page = page_of(results)
+    check(["s1", "bloom", "was not graded", "unpack w.zip"] in page.tables["Whom to talk to"]
+          and "Nobody's work was graded." in page.said,
+          "a class without a graded work has a page, too", page.said)
+
+
 def damage_is_told(folder):
     results = os.path.join(folder, "damaged")
     for where in ("", results):
@@ -295,6 +435,10 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         a_class_of_60(folder)
         pictures_are_embedded(folder)
+        reasons_are_not_merged(folder)
+        a_roster_names_who_is_missing(folder)
+        several_results_are_one_page(folder)
+        a_class_that_was_not_graded_has_a_page(folder)
         damage_is_told(folder)
     return finish()
 

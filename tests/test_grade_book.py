@@ -368,7 +368,7 @@ def what_is_wrong_is_told(top):
 def misspelt_variables_are_told():
     make = os.environ.get("MAKE", "make").split()
     for target, wrong, right in (("grade-book", "PENALITY", "PENALTY"), ("collect", "UNTILL", "UNTIL"),
-                                 ("class-page", "ROSTER", "RESULTS"), ("grade-class", "HOST", "HOSTS")):
+                                 ("class-page", "ROOSTER", "RESULTS"), ("grade-class", "HOST", "HOSTS")):
         status, said = run(".", *make, "-s", target, f"{wrong}=10", "OUT=/nowhere/else")
         check(status and f"make {target}: it takes no {wrong}, but " in said and right in said,
               f"make {target} takes no {wrong}", said)

@@ -1,13 +1,22 @@
 #!/usr/bin/env python3
-"""Writes RESULTS/class.html, what a class has learned, from the verdicts that grading has left in RESULTS:
-what to teach on Monday, where those who have begun are stuck, and whom to talk to."""
+"""Writes class.html, what a class has learned, from the verdicts that grading has left in RESULTS: what to
+teach on Monday, where those who have begun are stuck, and whom to talk to.
 
+RESULTS is a folder of make grade-class, or several, separated by spaces: of two verdicts on the same
+assignment of a submission, the newer one counts, so they should be of one class. ROSTER is the collected.csv
+of make collect, one for each assignment: with it, students have their names on the page, and those who handed
+in nothing are counted and named. The page goes into the folder OUT, by default the first one of RESULTS; the
+file class_page.json beside it keeps what the next page tells changes by.
+"""
+
+import argparse
 import json
 import os
 import sys
 
 from grading import class_page, results
 from grading.assignments import Parser, ToolError, choose, read_features, read_points, run_command
+from grading.class_roster import read_rosters
 from wrong import read_wrong
 
 _SHAPE = {"submission": str, "key": str, "graded": str, "points": (int, float), "maximum": (int, float),
@@ -48,6 +57,16 @@ def read_works(folder):
     return works, unread
 
 
+def _newest(works):
+    """Returns one work of each submission, the newest."""
+    newest = {}
+    for work in works:
+        old = newest.get(work.name)
+        if not old or class_page.moment_of(work.when) >= class_page.moment_of(old.when):
+            newest[work.name] = work
+    return list(newest.values())
+
+
 def _is_history(value):
     return isinstance(value, dict) and all(
         isinstance(rows, dict) and all(_fits(row, _ROW) for row in rows.values()) for rows in value.values())
@@ -77,41 +96,67 @@ class Pictures:
             return row.mutant.mistake, row.caption, None
 
 
-def write_page(source, build, stems, folder):
-    """Writes the page, and keeps this run's points for the next."""
-    if not os.path.isdir(os.path.join(folder, "verdicts")):
-        raise ToolError(f"RESULTS: there is no folder {folder}/verdicts; make grade-class writes it"
-                        if folder else "say where the results are: make class-page RESULTS=results")
-    assignments, unread = [], []
+def _names_in(text):
+    """Returns the names in a list of files or folders; one that is there may have spaces."""
+    return [text] if os.path.exists(text) else text.split()
+
+
+def _all_works(folders, stem):
+    """Returns what read_works does, of several folders."""
+    found = [read_works(os.path.join(folder, "verdicts", stem)) for folder in folders]
+    return _newest([work for works, _ in found for work in works]), [name for _, names in found
+                                                                     for name in names]
+
+
+def write_page(source, build, stems, results_in, roster="", out=""):
+    """Writes the page, and keeps this run's points for the next. `results_in` and `roster` may each name
+    several."""
+    folders = _names_in(results_in)
+    if not folders:
+        raise ToolError("say where the results are: make class-page RESULTS=results")
+    for folder in folders:
+        if not os.path.isdir(os.path.join(folder, "verdicts")):
+            raise ToolError(f"RESULTS: there is no folder {folder}/verdicts; make grade-class writes it")
+    out = out or folders[0]
+    results.check_place(os.path.join(out, "class.html"))
+    chosen, unread = [], []
     for feature in choose(read_features(source), stems):
-        works, damaged = read_works(os.path.join(folder, "verdicts", feature.stem))
+        works, damaged = _all_works(folders, feature.stem)
         unread += damaged
-        if works:
-            assignments.append(class_page.Assignment(feature, read_points(feature), works))
-    if not assignments:
-        raise ToolError(f"RESULTS: no verdict in {folder} can be read")
-    kept = os.path.join(folder, "class_page.json")
+        chosen += [(feature, works)] if works else []
+    if not chosen:
+        raise ToolError(f"RESULTS: no verdict in {' or '.join(folders)} can be read")
+    rosters = read_rosters(_names_in(roster), [feature.stem for feature, _ in chosen])
+    assignments = [class_page.Assignment(feature, read_points(feature), works, rosters.get(feature.stem))
+                   for feature, works in chosen]
+    kept = os.path.join(out, "class_page.json")
     last = _load(kept, _is_history, {})
     histories = {one.feature.stem: class_page.history(one, last.get(one.feature.stem, {}))
                  for one in assignments}
-    path = os.path.join(folder, "class.html")
+    path = os.path.join(out, "class.html")
     results.write_whole(path, class_page.page(assignments, histories, unread,
                                               Pictures(source, build).of))
     results.write_whole(kept, json.dumps({**last, **histories}, indent=1) + "\n")
     works = sum(len(assignment.works) for assignment in assignments)
-    print(results.printable(f"class-page: {works} verdicts: file://{os.path.abspath(path)}"))
+    missing = sum(len(table.missing) for table in rosters.values())
+    told = f", {missing} missing" if rosters else ""
+    print(results.printable(f"class-page: {works} verdicts{told}: file://{os.path.abspath(path)}"))
 
 
 def main():
-    parser = Parser(description=__doc__)
+    parser = Parser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("stems", nargs="*", metavar="STEM", help="features; default: all")
     parser.add_argument("--source", required=True, metavar="DIR", help="raykit's source folder")
-    parser.add_argument("--results", required=True, metavar="DIR", help="where grading wrote its results")
+    parser.add_argument("--results", required=True, metavar="DIRS", help="where grading wrote its results")
+    parser.add_argument("--roster", default="", metavar="FILES",
+                        help="collected.csv, which make collect wrote")
+    parser.add_argument("--out", default="", metavar="DIR", help="where the page goes")
     parser.add_argument("--build", default=".", metavar="DIR", help="where raykit was built (default: here)")
     arguments = parser.parse_args()
     sys.stdout.reconfigure(errors="backslashreplace")
     return run_command("class-page", lambda: write_page(arguments.source, arguments.build, arguments.stems,
-                                                        arguments.results), 2)
+                                                        arguments.results, arguments.roster,
+                                                        arguments.out), 2)
 
 
 if __name__ == "__main__":

@@ -32,7 +32,7 @@ from grading.collect_record import Corrections
 from grading.collect_roster import read_roster
 from grading.collect_submissions import faults_of_time, some, submissions_of
 from grading.collect_times import Deadline, Times
-from grading.collect_write import HEADING, LIST, TABLE, check_out, write_out
+from grading.collect_write import HEADING, LIST, NOT_COLLECTED, TABLE, check_out, write_out
 from grading.results import printable
 
 _SHOWN = 40  # faults on the screen
@@ -42,7 +42,7 @@ def _row(student, submission, unread, stems):
     """Returns a student's row of collected.csv. "missing" is who delivered nothing; what somebody delivered
     that did not come to be collected is said as "not collected"."""
     lacking = [*unread, *(submission.lacking if submission else [])]
-    remarks = [*(f"not collected: {reason}" for reason in lacking),
+    remarks = [*(NOT_COLLECTED + reason for reason in lacking),
                *(submission.remarks if submission else [])]
     row = dict.fromkeys(HEADING, "") | {
         "id": student.id, "name": student.name, "email": student.email, "group": student.group,

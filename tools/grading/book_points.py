@@ -8,7 +8,7 @@ import re
 
 from grading.assignments import ToolError
 from grading.collect_roster import Student
-from grading.collect_write import read_collected
+from grading.collect_write import NOT_COLLECTED, read_collected
 from grading.results import text_of_cell
 
 
@@ -95,21 +95,18 @@ class Grade:
         return None if None in (graded, counts) else graded - counts
 
 
-_NOT_COLLECTED = "not collected: "  # as make collect remarks, before the reason
-
-
 def _grade_of(row, results, percent, missing):
     """Returns a student's Grade, and what the instructor has to look at."""
     nothing = dict.fromkeys(results.stems)
     remarks = row.get("remarks", "")
-    if not row["submission"] and _NOT_COLLECTED in remarks:
+    if not row["submission"] and NOT_COLLECTED in remarks:
         return Grade(row, nothing, "not collected"), remarks
     if not row["submission"]:
         return Grade(row, dict.fromkeys(results.stems, missing), "missing", nothing), ""
     if row["submission"] not in results.rows:
         fault = f"the submission {row['submission']} has no row in {results.path}"
         return Grade(row, nothing, "not graded"), fault
-    left_out = dict.fromkeys(stem for stem in results.stems if f"{_NOT_COLLECTED}{stem}.c:" in remarks)
+    left_out = dict.fromkeys(stem for stem in results.stems if f"{NOT_COLLECTED}{stem}.c:" in remarks)
     graded, days = {**results.rows[row["submission"]], **left_out}, row["days_late"]
     if percent and not re.fullmatch(r"\d+(\.0*)?", days):
         fault = f"days_late is {days or 'empty'}; write the number into collected.csv"

@@ -3,6 +3,7 @@ distributed, what changed since the last run, and whom to talk to. Counts verdic
 
 import base64
 import collections
+import datetime
 import html
 import os
 import re
@@ -10,9 +11,14 @@ import statistics
 
 from grading import results
 
-_NOT_BEGUN, _NOTHING_RAN, _STILL_STUCK, _NOT_GRADED = (
-    "has not begun", "nothing ran", "stuck at the same claim for two runs", "was not graded")
+_NOT_BEGUN, _NOTHING_RAN, _STILL_STUCK, _NOT_GRADED, _NOT_COLLECTED, _MISSING = (
+    "has not begun", "nothing ran", "stuck at the same claim for two runs", "was not graded",
+    "handed in what was not collected", "handed in nothing")
 _PICTURE_MAX = 200_000  # bytes
+_REASONS = 6  # at one claim
+_EXACTLY = re.compile(r"; you get exactly this if (.+)")  # RK_EXACTLY_IF of tests/test.h
+_NO_PICTURE = ("did not end ", "crashed: ", "undefined behaviour: ", "goes beyond ", "used more than ",
+               "printed ")
 
 _STYLE = """
 :root { color-scheme: light dark; background: Canvas; color: CanvasText; --line: #8888; }
@@ -51,6 +57,14 @@ def _sentence(text):
     return re.sub(r"`([^`]*)`", r"<code>\1</code>", _text(text))
 
 
+def moment_of(graded):
+    """Returns when a verdict was made, as a number by which verdicts of all time zones are in order."""
+    try:
+        return datetime.datetime.strptime(graded, "%Y-%m-%d %H:%M:%S %z").timestamp()
+    except (ValueError, OverflowError):
+        return 0.0
+
+
 class Work:
     """One submission to one assignment."""
 
@@ -68,15 +82,32 @@ class Work:
         self.stuck_at = failed[0] if self.begun and failed else None
 
 
-class Assignment:
-    """What all have made of one. `tests` are the rows of its points.tsv, by name."""
+def _mistake_in(reason):
+    """Returns what two reasons share that tell of the same mistake: what a wrong number says of it, else the
+    whole text, but for the limit of a time."""
+    exactly = _EXACTLY.search(reason)
+    if exactly:
+        return exactly[1]
+    if reason.startswith("did not end within "):
+        return "did not end", "MB of memory" in reason
+    return reason
 
-    def __init__(self, feature, tests, works):
-        self.feature, self.tests = feature, {test.name: test for test in tests}
+
+class Assignment:
+    """What all have made of one. `tests` are the rows of its points.tsv, by name; `roster` is a Roster, or
+    None if nobody knows who is in the course."""
+
+    def __init__(self, feature, tests, works, roster=None):
+        self.feature, self.tests, self.roster = feature, {test.name: test for test in tests}, roster
+        self.strangers, self.unjudged = roster.compare([work.name for work in works]) if roster else ([], [])
         self.works = sorted((work for work in works if not work.not_graded), key=lambda work: work.name)
         self.not_graded = {work.name: work.not_graded for work in works if work.not_graded}
         self.begun = [work for work in self.works if work.begun]
         self.stuck = collections.Counter(work.stuck_at["name"] for work in self.begun if work.stuck_at)
+
+    def who(self, name):
+        """Returns whose a submission is, as far as that is known."""
+        return self.roster.name_of(name) if self.roster else name
 
     def steps(self):
         """Yields (step, how many have begun it, have done it, are stuck at a claim of it)."""
@@ -97,11 +128,17 @@ class Assignment:
         return sorted(self.stuck.items(),
                       key=lambda row: (-row[1], order.index(row[0]) if row[0] in order else len(order)))
 
-    def reason_at(self, claim):
-        """Returns the most frequent reason of those who are stuck at a claim, and how many have it."""
-        reasons = collections.Counter(work.stuck_at["reason"].split("\n")[0] for work in self.begun
-                                      if work.stuck_at and work.stuck_at["name"] == claim)
-        return reasons.most_common(1)[0]
+    def reasons_at(self, claim):
+        """Returns the reasons of those who are stuck at a claim, most frequent first: (text, how many have
+        it, whether it says what the mistake is)."""
+        groups = {}
+        for work in self.begun:
+            if work.stuck_at and work.stuck_at["name"] == claim:
+                text = work.stuck_at["reason"].split("\n")[0]
+                groups.setdefault(_mistake_in(text), []).append(text)
+        found = [(texts[0], len(texts), bool(_EXACTLY.search(texts[0])) or texts[0].startswith(_NO_PICTURE))
+                 for texts in groups.values()]
+        return sorted(found, key=lambda group: -group[1])
 
 
 def history(assignment, last):
@@ -190,17 +227,32 @@ def _section(assignment, claim):
     return f"“{_sentence(heading[1])}” ({where})" if heading else where
 
 
-def _picture(found):
-    """What a known mistake draws that fails this claim. `found` is (mistake, caption, bytes or None)."""
+def _reasons(groups):
+    """The reasons of a claim, a line each."""
+    of = sum(count for _, count, _ in groups)
+    lines = [f"{_text(text)} ({count} of {of})" for text, count, _ in groups[:_REASONS]]
+    more = [count for _, count, _ in groups[_REASONS:]]
+    if more:
+        lines.append(f"{len(more)} other reason{'s' * (len(more) > 1)} ({sum(more)} of {of})")
+    return "<br>".join(lines)
+
+
+def _picture(found, groups):
+    """What a known mistake draws that fails this claim. `found` is (mistake, caption, bytes or None). It need
+    not be that of those whose reason says another."""
+    of, unknown = (sum(count for _, count, says in groups if not (says and some)) for some in (False, True))
+    if not unknown:
+        return "None is supposed: each reason says it."
     if not found:
         return "No known mistake of this claim has a picture."
     mistake, caption, data = found
-    said = f"{_sentence(mistake)} One sees: {_sentence(caption)}"
+    perhaps = "Perhaps" if unknown == of else f"Perhaps of the {unknown} of {of} whose reason says no mistake"
+    said = f"{perhaps}: {_sentence(mistake)} One sees: {_sentence(caption)}"
     if not data or len(data) > _PICTURE_MAX or not data.startswith(b"\x89PNG\r\n\x1a\n"):
-        return f"Perhaps: {said} (<code>make book</code> draws the picture.)"
+        return f"{said} (<code>make book</code> draws the picture.)"
     image = base64.b64encode(data).decode()
     return (f'<figure><img src="data:image/png;base64,{image}" alt="{_text(caption)}">'
-            f"<figcaption>Perhaps: {said}</figcaption></figure>")
+            f"<figcaption>{said}</figcaption></figure>")
 
 
 def _monday(assignments):
@@ -232,38 +284,67 @@ def _changes(rows):
             f"from {old} to {new}.</p>\n")
 
 
+def _not_there(assignment):
+    """Those of the roster without a verdict."""
+    roster, stem = assignment.roster, assignment.feature.stem
+    if not roster:
+        return []
+    return [*((_text(who), stem, _NOT_COLLECTED, _text(why)) for who, why in roster.not_collected),
+            *((_text(assignment.who(name)), stem, _NOT_GRADED, "there is no verdict in the results")
+              for name in assignment.unjudged),
+            *((_text(who), stem, _MISSING, "") for who in roster.missing)]
+
+
 def _need_a_word(assignments, histories):
     rows = []
     for assignment in assignments:
         stem = assignment.feature.stem
-        rows += [(_text(name), stem, _NOT_GRADED, _text(why)) for name, why in assignment.not_graded.items()]
+        rows += [(_text(assignment.who(name)), stem, _NOT_GRADED, _text(why))
+                 for name, why in assignment.not_graded.items()]
+        rows += _not_there(assignment)
         for work in assignment.works:
             row = histories[stem][work.name]
             why = ((_NOTHING_RAN, work.problem.split("\n")[0]) if work.problem else
                    (_NOT_BEGUN, "") if not work.begun else
                    (_STILL_STUCK, _words(row["stuck"])) if row["stuck"] and row["times"] > 1 else None)
             if why:
-                rows.append((_text(work.name), stem, why[0], _text(why[1])))
-    order = [_NOT_GRADED, _NOTHING_RAN, _STILL_STUCK, _NOT_BEGUN]
+                rows.append((_text(assignment.who(work.name)), stem, why[0], _text(why[1])))
+    order = [_NOT_COLLECTED, _NOT_GRADED, _NOTHING_RAN, _STILL_STUCK, _NOT_BEGUN, _MISSING]
     rows.sort(key=lambda row: (order.index(row[2]), row[1], row[0]))
-    return _table("Whom to talk to", ["submission", "assignment", "why", "more"], rows) or (
+    whose = "student" if any(assignment.roster for assignment in assignments) else "submission"
+    return _table("Whom to talk to", [whose, "assignment", "why", "more"], rows) or (
         "<p>Nobody.</p>\n")
 
 
-def _part(assignment, rows, picture_of):
+def _attendance(assignment, has_rosters):
+    """Says who is missing, if that is known."""
+    roster = assignment.roster
+    if not roster:
+        told = f"no roster of {assignment.feature.stem} was given"
+        return f"<p>Who is missing here is not known: {told}.</p>\n" if has_rosters else ""
+    not_collected = len(roster.not_collected)
+    lost = f", and the work of {not_collected} was not collected" if not_collected else ""
+    strangers = ", ".join(map(_text, assignment.strangers))
+    return (f"<p>Of {roster.students} students on the roster, {len(roster.missing)} handed in nothing{lost}."
+            "</p>\n" + (f"<p>Not on the roster: {strangers}.</p>\n" if strangers else ""))
+
+
+def _part(assignment, rows, picture_of, has_rosters):
     stem, works, begun = assignment.feature.stem, assignment.works, assignment.begun
     steps = [[f"step {step}", *counts] for step, *counts in assignment.steps()]
     stuck = []
     for claim, count in assignment.hardest():
-        reason, times = assignment.reason_at(claim)
-        stuck.append([_breakable(claim), count, f"{_text(reason)} ({times} of {count})",
-                      _section(assignment, claim), _picture(picture_of(assignment.feature, claim))])
-    bins = _bins(works)
-    return (f'<h2 id="{stem}">{stem}</h2>\n<p>{len(begun)} of {len(works)} have begun; '
+        groups = assignment.reasons_at(claim)
+        stuck.append([_breakable(claim), count, _reasons(groups), _section(assignment, claim),
+                      _picture(picture_of(assignment.feature, claim), groups)])
+    bins, head = _bins(works), f'<h2 id="{stem}">{stem}</h2>\n{_attendance(assignment, has_rosters)}'
+    if not works:
+        return head + "<p>Nobody's work was graded.</p>\n"
+    return (f'{head}<p>{len(begun)} of {len(works)} have begun; '
             f"{sum(not work.stuck_at for work in begun)} of these have all claims.</p>\n"
             + _table(f"Steps of {stem}", ["step", "have begun it", "have done it", "are stuck in it"], steps)
             + _table(f"Where those who have begun {stem} are stuck",
-                     ["first claim that fails", "submissions", "most frequent reason", "section",
+                     ["first claim that fails", "submissions", "reasons", "section",
                       "known mistake"], stuck)
             + _chart(stem, bins)
             + f"<p>Quartiles of the points: {_quartiles(works)}; the one in the middle is the median, "
@@ -274,9 +355,11 @@ def _part(assignment, rows, picture_of):
 def page(assignments, histories, unread, picture_of):
     """Returns the page. `histories` has what history returns, by stem; `unread`
     names files that are no verdicts, picture_of(feature, claim) returns what _picture takes."""
-    runs = sorted(work.when for assignment in assignments for work in assignment.works)
-    when = f"<p>Graded {_text(' to '.join(sorted({runs[0], runs[-1]})))}.</p>\n"
+    runs = sorted((work.when for assignment in assignments for work in assignment.works), key=moment_of)
+    when = f"<p>Graded {_text(' to '.join(dict.fromkeys([runs[0], runs[-1]])))}.</p>\n" if runs else ""
+    has_rosters = any(assignment.roster for assignment in assignments)
     lost = f"<p>Could not be read: {_text(', '.join(unread))}.</p>\n" if unread else ""
+    parts = "".join(_part(one, histories[one.feature.stem], picture_of, has_rosters) for one in assignments)
     contents = "".join(f'<li><a href="#{assignment.feature.stem}">{assignment.feature.stem}</a></li>'
                        for assignment in assignments) + '<li><a href="#word">Whom to talk to</a></li>'
     return ('<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
@@ -285,6 +368,6 @@ def page(assignments, histories, unread, picture_of):
             f"<style>{_STYLE}</style></head><body><main>\n<h1>What the class learned</h1>\n{when}{lost}"
             f'<h2 id="monday">What to teach on Monday</h2>\n{_monday(assignments)}'
             f"<nav aria-label=\"Assignments\"><ul>{contents}</ul></nav>\n"
-            f"{''.join(_part(one, histories[one.feature.stem], picture_of) for one in assignments)}"
+            f"{parts}"
             f'<h2 id="word">Whom to talk to</h2>\n{_need_a_word(assignments, histories)}'
             "</main></body></html>\n")

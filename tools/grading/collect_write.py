@@ -12,6 +12,7 @@ from grading.collect_record import RECORD
 from grading.results import csv_cell, printable, text_of_cell
 
 TABLE = "collected.csv"
+NOT_COLLECTED = "not collected: "  # begins a remark; the reason follows
 LIST = "collected.txt"  # all that is too much for the screen
 HEADING = ["submission", "id", "name", "email", "group", "submitted", "days_late", "remarks",
            "assignments", "delivered"]
