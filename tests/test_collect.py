@@ -676,6 +676,120 @@ def rosters_are_checked(top):
           "no cell is a formula", one)
 
 
+MOODLE_GRADES = """"First name","Last name","ID number",Institution,"Email address","Assignment: Bloom (Real)"
+Ann,Mason,1001,,amason@uni.edu,-
+Jörg,Müller,1002,,joerg.mueller@uni.edu,-
+"""
+MOODLE_WORKSHEET = """Identifier,"Full name","Email address",Status,Grade
+"Participant 71","Ann Mason",amason@uni.edu,"No submission",
+"""
+CANVAS_GRADES = """Student,ID,SIS User ID,SIS Login ID,Section,Bloom (4711),Final Score
+,,,,,Manual Posting,
+    Points Possible,,,,,100,(read only)
+"Mason, Ann",1001,m1,amason,S1,,
+"Müller, Jörg",1002,m2,joerg.mueller@uni.edu,S1,,
+"Student, Test",1009,,,S1,,
+"""
+SPREADSHEET = """id;"Last name, first name";"E-mail, at the university"
+1001;Mason, Ann;amason@uni.edu
+1002;Müller, Jörg;joerg.mueller@uni.edu
+"""
+
+
+def exports_are_rosters(top):
+    """As Moodle, Canvas and spreadsheets write them."""
+    good = zipped((moodle("Jörg Müller"), "joerg"), (moodle("Ann Mason"), "ann"))
+    sheet = SPREADSHEET.replace("E-mail, at the university", "Email")
+    for how, text, encoding in (
+            ("Moodle's grades", MOODLE_GRADES, "utf-8"),
+            ("Moodle's with a mark", MOODLE_GRADES, "utf-8-sig"),
+            ("Canvas's gradebook", CANVAS_GRADES, "utf-8"),
+            ("Canvas's with a mark", CANVAS_GRADES, "utf-8-sig"),
+            ("a spreadsheet's, with semicolons and commas", sheet, "utf-8-sig"),
+            ("a spreadsheet's, with a line that names the separator", "sep=;\n" + sheet, "utf-8"),
+            ("a spreadsheet's Unicode text", sheet.replace(";", "\t").replace("\n", "\r\n"), "utf-16"),
+            ("the same, most significant byte first", "\ufeff" + sheet.replace(";", "\t"), "utf-16-be"),
+            ("names in quotation marks", sheet.replace(";Mason, Ann;", ';"Mason, Ann";'), "utf-8"),
+            ("a full name", ROSTER.replace("id,name", "ID number,Full name"), "utf-8")):
+        one = Class(top)
+        with open(one.path("roster.csv"), "wb") as file:
+            file.write(text.encode(encoding))
+        one.collect(good)
+        names = {one.rows[name]["name"] for name in ("1001", "1002") if name in one.rows}
+        check(one.status == 0 and one.work() == "ann" and one.work("1002") == "joerg"
+              and "1009" not in one.rows and len(names) == 2
+              and names <= {"Ann Mason", "Mason, Ann", "Jörg Müller", "Müller, Jörg"},
+              f"{how} is a roster", one)
+    one = Class(top, CANVAS_GRADES).collect(zipped(("mueller_1002_9_bloom.c", "joerg")))
+    check(one.rows["1001"]["email"] == "" and one.rows["1002"]["email"] == "joerg.mueller@uni.edu"
+          and one.work("1002") == "joerg", "Canvas's numbers are the ids, a login with an @ the address",
+          one)
+    many = CANVAS_GRADES.replace("Final Score", ",".join(f"Essay ({k})" for k in range(30)))
+    one = Class(top, many.replace(",(read only)", "," * 29 + ",x").replace(",,\n", "," * 31 + "\n").replace(
+        "Posting,\n", "Posting" + "," * 30 + "\n")).collect(good)
+    check(one.status == 0 and "and 23 more" in one.said,
+          "of many columns that are not used the first are told", one)
+
+
+def exports_that_are_no_rosters_are_refused(top):
+    def said_of(text, encoding="utf-8"):
+        one = Class(top)
+        with open(one.path("roster.csv"), "wb") as file:
+            file.write(text if isinstance(text, bytes) else text.encode(encoding))
+        one.collect(zipped((moodle("Ann Mason"), "ann")))
+        check(one.status == 2 and not os.path.exists(one.path("out")) and one.said.count("\n") == 1,
+              "it is refused in one line", one)
+        return one.said
+
+    said = said_of(ROSTER, "latin-1")
+    check("roster.csv:3: this is not UTF-8" in said and '1002,"Müller, Jörg"' in said
+          and "iconv -f WINDOWS-1252 -t UTF-8" in said and "CSV UTF-8" in said,
+          "a roster in Latin-1 is refused, with how the line may read, and what to do", said)
+    for encoding in ("utf-16-le", "utf-16-be"):
+        said = said_of(ROSTER, encoding)
+        check("UTF-16 without a byte order mark" in said and "CSV UTF-8" in said,
+              f"so is one in {encoding} without a mark", said)
+    said = said_of(b"PK\x03\x04\x14\0\x06\0\x08\0\0\0!\0\xff\xfe")
+    check("is a spreadsheet's own file; save it as \"CSV UTF-8\"" in said,
+          "and a spreadsheet's own file", said)
+    said = said_of(MOODLE_WORKSHEET)
+    check('there is no column "id" among Identifier, Full name, Email address, Status, Grade' in said
+          and "rename" in said, "a table without ids names its columns", said)
+    said = said_of("id,name,email\n1,Mason, Ann,a@b\n2,Lou, Kim,k@b\n3,Fox, Eve,e@b\n")
+    check("each line has 4 cells for 3 columns" in said
+          and "quotation marks around it, or another separator" in said,
+          "names with commas and without quotation marks are told once", said)
+    said = said_of("id;name;email\n1;A;B;a@b\n2;B;b@b\n")
+    check("roster.csv:2: 4 cells for 3 columns; a semicolon within" in said,
+          "by the table's own separator", said)
+    said = said_of("sep=;\n\nid;name;email\n1;A;a@b\n1;B;b@b\n")
+    check("roster.csv:5: the id 1 is that of line 4, too" in said,
+          "lines are counted from the file's first", said)
+    said = said_of("id,name,email\n1.23E+09,A,a@b\n")
+    check("roster.csv:2: the id 1.23E+09 has lost digits in a spreadsheet" in said,
+          "an id that lost digits is told", said)
+
+
+def tables_come_back_from_spreadsheets(top):
+    """collected.csv is corrected there."""
+    data = zipped(("masonann_LATE_55_901_bloom.c", "ann"), (moodle("Jörg Müller"), "joerg"))
+    for how, change in (("with semicolons", lambda text: text.replace(",", ";").replace('"', "").encode()),
+                        ("in UTF-16 with tabs", lambda text: text.replace(",", "\t").encode("utf-16"))):
+        one = Class(top, ROSTER.replace('"Müller, Jörg"', "Jörg Müller")).collect(data, "--due", DUE)
+        text = read(one.path("out", "collected.csv")).replace(",?,", ",3,", 1)
+        with open(one.path("out", "collected.csv"), "wb") as file:
+            file.write(change(text))
+        one.collect(data, "--due", DUE)
+        check(one.rows["1001"]["days_late"] == "3", f"a table that was saved {how} is read", one)
+    text = read(one.path("out", "collected.csv"))
+    with open(one.path("out", "collected.csv"), "wb") as file:
+        file.write(text.encode("latin-1"))
+    status, said = one.run(["bloom", "--source", SOURCE, "--download", one.path("download.zip"), "--out",
+                            one.path("out"), "--roster", one.path("roster.csv")])
+    check(status == 2 and "collected.csv:3: this is not UTF-8" in said and "iconv" in said,
+          "one in Latin-1 is refused with what to do", said)
+
+
 def out_is_replaced_whole(top):
     one = Class(top).collect(zipped((moodle("Ann Mason"), "old"), (moodle("Kim Lou"), "kim")))
     one.collect(zipped((moodle("Ann Mason"), "new")))
@@ -845,10 +959,11 @@ def main():
         for claims in (moodles_folders_are_read, canvas_files_are_read, blackboards_files_are_read,
                        gradescopes_export_is_read, clones_and_mail_are_read, names_in_all_spellings_are_one,
                        nobody_is_guessed, what_was_not_collected_is_not_missing, patterns_last,
-                       patterns_of_all_are_quick,
-                       a_group_has_one_submission, deadlines_are_kept, the_last_upload_counts,
-                       files_are_found_under_their_names, archives_are_unpacked, wicked_archives_do_no_harm,
-                       bombs_do_not_go_off, rosters_are_checked, out_is_replaced_whole, corrections_stay,
+                       patterns_of_all_are_quick, a_group_has_one_submission, deadlines_are_kept,
+                       the_last_upload_counts, files_are_found_under_their_names, archives_are_unpacked,
+                       wicked_archives_do_no_harm, bombs_do_not_go_off, rosters_are_checked,
+                       exports_are_rosters, exports_that_are_no_rosters_are_refused,
+                       tables_come_back_from_spreadsheets, out_is_replaced_whole, corrections_stay,
                        students_have_deadlines_of_their_own, make_collects):
             claims(top)
     finally:

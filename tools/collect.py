@@ -7,7 +7,8 @@ the columns id, name, email, and perhaps group, pattern, due and days_late. A de
 name fits the student's pattern, a glob. For a student without one, it is if its name says the id, the e-mail
 address, the login before the @, or the name, in the forms that platforms use. What fits nobody, or two, is
 listed and left out. For id, name and email a registry's names of columns do, too: student ID or ID number,
-first name and last name, email address.
+first name and last name, or both in one column, email address; so do Moodle's export of grades and Canvas's
+gradebook. Cells are separated by commas, semicolons or tabs, in UTF-8, or UTF-16 with a byte order mark.
 
 The last file counts that came before the deadline and its grace, else the last that is taken. A day late
 begins with each 24 hours after the grace. The roster's column due gives students a deadline of their own,
@@ -95,7 +96,7 @@ def collect(source, stems, download, out, roster, deadline, again=False):
     corrections.check(stems)
     students, unused = read_roster(roster)
     if unused:
-        print(printable(f"collect: columns of the roster that are not used: {', '.join(unused)}"))
+        print(printable(f"collect: columns of the roster that are not used: {some(unused)}"))
     with tempfile.TemporaryDirectory(prefix="raykit-collect-") as work:
         found = Download(download, wanted(units), work)
         if not found.files and not found.faults:

@@ -1,7 +1,6 @@
 """The folder that collect writes: whole or not at all, and only in place of one that it wrote itself."""
 
 import csv
-import io
 import json
 import os
 import shutil
@@ -9,6 +8,7 @@ import tempfile
 
 from grading.assignments import ToolError, cannot_write
 from grading.collect_record import RECORD
+from grading.collect_roster import rows_of_table
 from grading.results import csv_cell, printable, text_of_cell
 
 TABLE = "collected.csv"
@@ -20,19 +20,13 @@ HEADING = ["submission", "id", "name", "email", "group", "submitted", "days_late
 
 def read_collected(path):
     """Returns the rows of a collected.csv as dictionaries. Raises ToolError if it is none."""
-    try:
-        with open(path, encoding="utf-8-sig", newline="") as file:
-            text = file.read()
-        first = text.partition("\n")[0]
-        delimiter = max(",;\t", key=first.count)
-        rows = list(csv.reader(io.StringIO(text, newline=""), delimiter=delimiter, strict=True))
-    except (OSError, ValueError, csv.Error) as error:
-        raise ToolError(f"{path} cannot be read ({error})") from error
+    rows, _, _ = rows_of_table(path)
+    rows = [row for row in rows if any(row)]
     if not rows or not set(HEADING[:4] + ["days_late"]) <= set(rows[0]):
         raise ToolError(f"{path} is not a {TABLE}, which make collect writes: its first line should be "
                         f"{','.join(HEADING)}")
     padding = [""] * len(rows[0])
-    return [dict(zip(rows[0], map(text_of_cell, row + padding))) for row in rows[1:] if any(row)]
+    return [dict(zip(rows[0], map(text_of_cell, row + padding))) for row in rows[1:]]
 
 
 def check_out(out, download):
