@@ -20,6 +20,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(SOURCE, "tools"))
 
 import handout  # noqa: E402
+from grading import course_words  # noqa: E402
 from grading import leak_check  # noqa: E402
 from grading.assignments import ToolError, read_features, read_points  # noqa: E402
 from grading.build import Toolchain  # noqa: E402
@@ -110,6 +111,85 @@ def mistakes_are_refused(folder):
                   "a pack without the book is made on request only", error)
     check(os.listdir(folder) == ["taken.tar.gz"] and read(taken) == "mine",
           "what is refused leaves nothing behind", os.listdir(folder))
+
+
+NOTE = """Hand in by Monday, 5 October 2026, 23:59. A day late costs {10 %}.
+
+## Dates
+
+| what | when |
+|---|---|
+| [your file](workbook/bvh_median.c) | see [the course](https://uni.example/cg), or <ann@uni.example> |
+
+```
+git push  # <b>
+```
+"""
+
+
+def a_course_has_its_own_words(folder):
+    path = os.path.join(folder, "note.md")
+    marked = b"\xef\xbb\xbf" + NOTE.replace("\n", "\r\n").encode()
+    for text, told in ((NOTE.encode(), "a file"), (marked, "one with a byte order mark and CRLF")):
+        with open(path, "wb") as file:
+            file.write(text)
+        words = course_words.read_words(" Graphics, week 3 ", path)
+        check((words.title, words.note) == ("Graphics, week 3", NOTE.strip()), f"a NOTE is {told}",
+              words.note)
+    words = course_words.read_words("", "No late days. Ask Ann & Bo.")
+    check(words.note == "No late days. Ask Ann & Bo.", "or a text", words.note)
+    page = "# What is handed out here\n\nThis is raykit.\n"
+    check(course_words.read_words("", "").put_into(page) == page, "without words the page stays as it is")
+    check(course_words.read_words("T", "N").put_into(page)
+          == "# T\n\nN\n\n## What is handed out here\n\nThis is raykit.\n"
+          and course_words.read_words("", "N").put_into(page)
+          == "# What is handed out here\n\nN\n\nThis is raykit.\n",
+          "they stand above all else on the page")
+    with open(os.path.join(folder, "latin.md"), "wb") as file:
+        file.write("Grüße".encode("latin-1"))
+    write("x" * 40000, folder, "long.md")
+    many = {"a title of two lines": ("a\nb", "", "TITLE"), "a title with marks": ("a <!-- b", "", "TITLE"),
+            "a long title": ("a" * 200, "", "TITLE"),
+            "a file that is not there": ("", os.path.join(folder, "no.md"), "no.md"),
+            "a folder": ("", folder, "is a folder"), "what is not UTF-8": (
+                "", os.path.join(folder, "latin.md"), "latin.md:1: this is not UTF-8; save it as UTF-8"),
+            "a book": ("", os.path.join(folder, "long.md"), "shorten it"),
+            "a fence without its pair": ("", "so:\n```\nmake\n", "NOTE:2: "),
+            "a comment": ("", "so\n<!-- pack", "NOTE:2: "), "HTML": ("", "a <div> b", "NOTE:1: <div>"),
+            "a second title": ("", "a\n\n# Course\n", "NOTE:3: begin headings with ##"),
+            "one that is underlined": ("", "Course\n======\n", "NOTE:2: begin headings with ##"),
+            "control characters": ("", "a\x1b[31m", "NOTE:1: "),
+            "what turns text around": ("", "a\u202eb", "NOTE:1: "),
+            "a command of the kit alone": ("", "make check-normals IMPL=mine", "NOTE:1: ")}
+    for told, (title, note, part) in many.items():
+        try:
+            course_words.read_words(title, note)
+            check(False, f"{told} is refused")
+        except ToolError as error:
+            check(part in str(error) and "\n" not in str(error), f"{told} is refused", error)
+    for note, part in ((f"Hint: {SECRET}", "NOTE:1: this is a line of the solution of bvh_median"),
+                       ("see [it](syllabus.pdf)", "NOTE:1: syllabus.pdf is not in the pack")):
+        place = os.path.join(folder, "packs")
+        os.makedirs(place, exist_ok=True)
+        try:
+            handout.make_handout(SOURCE, [STEM], folder=os.path.join(place, "pack"), book=False, note=note)
+            check(False, f"before anything is packed: {part}")
+        except ToolError as error:
+            check(part in str(error) and not os.listdir(place), f"before anything is packed: {part}", error)
+
+
+def the_course_speaks_first(pack, said):
+    page = read(pack, "HANDOUT.md")
+    check(page.startswith("# Graphics {1}\n\n" + NOTE + "\n## What is handed out here\n\nThis is raykit"),
+          "a pack's first page begins with the course's title and note", page[:1000])
+    check(any("HANDOUT.md begins with the course's title and note" in line for line in said),
+          "and where they are is said", said)
+    make, out = os.environ.get("MAKE", "make"), os.path.join(os.path.dirname(pack), "never.tar.gz")
+    for words, part in ((["TITLE=a <!-- b"], "TITLE"), (["NOTE=$(no) `such`.md"], "$(no) `such`.md"),
+                        (["NOTES=x"], "it takes no NOTES, but DIR LATER BOOK TITLE NOTE")):
+        status, text = run(".", make, "-s", "handout", f"ASSIGNMENTS={STEM}", f"OUT={out}", "BOOK=no", *words)
+        check(status != 0 and part in text and not os.path.exists(out), f"make handout refuses {words[0]}",
+              text)
 
 
 def what_is_stopped_leaves_nothing_behind(folder):
@@ -606,17 +686,20 @@ def main():
     folder = tempfile.mkdtemp(prefix="raykit-test-handout-")
     try:
         places = {name: os.path.join(folder, name)
-                  for name in ("refused", "stopped", "shared", "packed", "class")}
+                  for name in ("refused", "words", "stopped", "shared", "packed", "class")}
         for place in places.values():
             os.mkdir(place)
         mistakes_are_refused(places["refused"])
+        a_course_has_its_own_words(places["words"])
         it_builds_what_the_book_needs()
         handouts_share_sections(places["shared"])
         what_is_stopped_leaves_nothing_behind(places["stopped"])
         what_comes_later()
         the_goal_is_one_of_the_course()
         pack = os.path.join(places["packed"], "pack")
-        said = handout.make_handout(SOURCE, [STEM], folder=pack, book=False, later="no")
+        said = handout.make_handout(SOURCE, [STEM], folder=pack, book=False, later="no", title="Graphics {1}",
+                                    note=NOTE)
+        the_course_speaks_first(pack, said)
         check(os.listdir(places["packed"]) == ["pack"]
               and any("no solution is left" in line for line in said),
               "the pack is there with its proof, and nothing beside it", said)

@@ -22,7 +22,8 @@ import textwrap
 from grading.assignments import Parser, ToolError, cannot_write, choose, read_features, read_points
 from grade import stop_on_signals
 from handout_text import as_packed, handout_of, with_built_drivers
-from grading.leak_check import prove
+from grading.course_words import read_words
+from grading.leak_check import prove, solution_in
 from grading.originals import keep_originals
 from grading.starters import handed_out_of, left_open_of, starter_of
 from grading.results import write_whole
@@ -260,8 +261,9 @@ def _open(left_open):
     return textwrap.fill(text, 110) + "\n\n"
 
 
-def _write_handout(source, pack, features, left_open, has_book):
-    """Writes HANDOUT.md, the student's first page, by assignments/handout_page.md."""
+def _write_handout(source, pack, features, left_open, has_book, words):
+    """Writes HANDOUT.md, the student's first page, by assignments/handout_page.md, with the course's own
+    words above all else."""
     rows = ["| task | your file | points | time | chapter |", "|---|---|---|---|---|"]
     for feature in features:
         task, file = f"assignments/{feature.folder}/handout.md", f"workbook/{feature.stem}.c"
@@ -284,10 +286,11 @@ def _write_handout(source, pack, features, left_open, has_book):
     files = "\n".join(f"- `workbook/{feature.stem}.c`" for feature in features)
     with open(os.path.join(source, "assignments", "handout_page.md"), encoding="utf-8") as file:
         page = file.read()
-    write_whole(os.path.join(pack, "HANDOUT.md"), page.format(
+    page = page.format(
         order=_order(source, [feature.stem for feature in features], left_open),
         left_open=_open(left_open), assignments="\n".join(rows), first=first, reading=reading, files=files,
-        commands="\n".join(f"    {command:<{width}}  {does}" for command, does in commands)))
+        commands="\n".join(f"    {command:<{width}}  {does}" for command, does in commands))
+    write_whole(os.path.join(pack, "HANDOUT.md"), words.put_into(page))
 
 
 # --- The command ----------------------------------------------------------------------------------
@@ -311,9 +314,19 @@ def _and(stems):
     return " and ".join(filter(None, [", ".join(stems[:-1]), *stems[-1:]]))
 
 
-def make_handout(source, stems, out="", folder="", book=True, later=""):
-    """Makes the pack; returns lines that describe it."""
-    features = read_features(source)
+def _check_words(words, source, features):
+    """Raises ToolError if the course's words hold a line of a solution."""
+    found = solution_in(words.note, source, features) if words.note else None
+    if found:
+        number, stem = found
+        words.refuse(number, f"this is a line of the solution of {stem}; take it out")
+    if words.title and solution_in(words.title, source, features):
+        raise ToolError("TITLE: this is a line of a solution; choose another")
+
+
+def make_handout(source, stems, out="", folder="", book=True, later="", title="", note=""):
+    """Makes the pack; returns lines that describe it. `title` and `note` are the course's own words."""
+    features, words = read_features(source), read_words(title, note)
     if not stems:
         raise ToolError("name the assignments: make handout ASSIGNMENTS=\"...\", all, or of: "
                         + " ".join(features))
@@ -322,6 +335,7 @@ def make_handout(source, stems, out="", folder="", book=True, later=""):
     left_open = _later(features, chosen, later)
     solved = [stem for stem, feature in features.items() if feature not in [*chosen, *left_open]]
     place, name = place_of(out, folder)
+    _check_words(words, source, [*chosen, *left_open])
     if book and not os.environ.get("PANDOC"):
         raise ToolError("the book needs pandoc: run ./bootstrap, or give BOOK=no for a pack without the book")
     try:
@@ -334,9 +348,10 @@ def make_handout(source, stems, out="", folder="", book=True, later=""):
         _release(source, pack)
         _hand_out(pack, chosen, left_open)
         _adapt_texts(source, pack, features.values(), chosen)
+        words.check_links(pack, book)
         if book:
             _weave_book(pack)
-        _write_handout(source, pack, chosen, [feature.stem for feature in left_open], book)
+        _write_handout(source, pack, chosen, [feature.stem for feature in left_open], book, words)
         _tell("looking for lines of the solutions")
         proof = prove(source, pack, features, [*chosen, *left_open])
         keep_originals(pack)
@@ -359,6 +374,8 @@ def make_handout(source, stems, out="", folder="", book=True, later=""):
         lines.append("no solution is in this pack")
     if not book:
         lines.append("THE BOOK IS MISSING: this pack is for trying. Without BOOK=no, the book is in it")
+    if words.named():
+        lines.append(f"HANDOUT.md begins with the course's {words.named()}")
     return [*lines, *proof, f"wrote {place}; students begin with its HANDOUT.md"]
 
 
@@ -377,6 +394,9 @@ def main():
     parser.add_argument("--later", default="", metavar="all|no|STEMS",
                         help="features that are not asked for yet; "
                         "default: those that come later in the course")
+    parser.add_argument("--title", default="", metavar="TEXT", help="the course's title for the first page")
+    parser.add_argument("--note", default="", metavar="FILE|TEXT",
+                        help="what the course says there, such as dates and rules for late work; Markdown")
     parser.add_argument("--book", default="", metavar="yes|no", help="no leaves the woven book out")
     arguments = parser.parse_args()
     stop_on_signals()
@@ -384,7 +404,8 @@ def main():
         if arguments.book not in ("", "yes", "no"):
             raise ToolError(f"BOOK={arguments.book}: choose yes or no")
         print("\n".join(make_handout(arguments.source, arguments.stems, arguments.out, arguments.dir,
-                                     arguments.book != "no", arguments.later)))
+                                     arguments.book != "no", arguments.later, arguments.title,
+                                     arguments.note)))
     except ToolError as error:
         print(f"handout: {error}", file=sys.stderr)
         return 1

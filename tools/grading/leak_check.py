@@ -80,6 +80,17 @@ def _is_the_kits(source, pack, name):
     return os.path.isfile(own) and filecmp.cmp(own, packed, shallow=False)
 
 
+def solution_in(text, source, features):
+    """Returns (number, stem) of the first line of a text that gives a feature's solution away, or None."""
+    secrets, common = secret_lines(source, features)
+    for number, line in enumerate(text.split("\n"), 1):
+        held = [secret for secret in secrets - common if secret in _spaced(line)]
+        for feature in features:
+            if {_spaced(own) for own in solution_lines(feature.reference)} & set(held):
+                return number, feature.stem
+    return None
+
+
 _FEW = 2  # a solution line in more places of the kit tells nothing, nor does one alone
 _PASSAGE = 4  # so many solution lines, at most so far apart, are no coincidence
 
