@@ -135,6 +135,38 @@ def workers(out):
     return found
 
 
+def hidden(out):
+    return sorted(name for name in os.listdir(out) if name.startswith("."))
+
+
+def only_folders_of_the_dead_are_removed(folder):
+    """Many at once, of which each removes what the others leave: processes that are killed while they have a
+    folder, and others that look at theirs as long as they live."""
+    place = os.path.join(folder, "many")
+    os.mkdir(place)
+    put("a", place, ".jobs-foreign-file")
+    script = ("import os, sys, time\nfrom grading.temporary_folder import temporary_folder\n"
+              "for _ in range(100):\n"
+              "    with temporary_folder('.jobs-', sys.argv[1]) as folder:\n"
+              "        open(os.path.join(folder, 'a'), 'w').close()\n"
+              "        time.sleep(0.002)\n"
+              "        assert os.path.exists(os.path.join(folder, 'a'))\n"
+              "        if sys.argv[2] == 'killed':\n"
+              "            os.kill(os.getpid(), 9)\n")
+    command = [sys.executable, "-B", "-c", script, place]
+    environment = dict(os.environ, PYTHONPATH=os.path.join(SOURCE, "tools"))
+    living = [subprocess.Popen([*command, "living"], env=environment, stdout=subprocess.PIPE,
+                               stderr=subprocess.STDOUT, text=True) for _ in range(4)]
+    killed = [subprocess.run([*command, "killed"], env=environment, check=False).returncode for _ in range(8)]
+    said = [process.communicate()[0] for process in living]
+    check(not any(process.returncode for process in living) and set(killed) == {-signal.SIGKILL},
+          "no folder of a living process is removed", [*said, *map(str, killed)])
+    left = hidden(place)
+    subprocess.run([*command, "living"], env=environment, check=False)
+    check(hidden(place) == [".jobs-foreign-file"], "those of killed ones are, and nothing else",
+          [*left, *hidden(place)])
+
+
 def a_class_is_interrupted(folder):
     place, rows = expected(folder, 5)
     for name, number, status in (("stopped", signal.SIGINT, 130),
@@ -148,8 +180,11 @@ def a_class_is_interrupted(folder):
         check(begun and process.returncode == status and (number == signal.SIGKILL or "goes on" in said),
               f"a class can be {name}", said)
         check(wait(lambda out=out: not workers(out)), f"no worker outlives it ({name})", said)
+        left = hidden(out)
         _, said = grade_class(place, out, "--jobs", "2")
         check(rows_of(out) == rows, f"the same command goes on ({name})", said)
+        check(bool(left) == (name == "killed") and not hidden(out),
+              f"and removes what was left there ({name})", [*left, *hidden(out)])
 
 
 def a_killed_worker_is_replaced(folder):
@@ -295,10 +330,11 @@ def main():
             print("1..0 # SKIP needs GNU parallel and bubblewrap")
             return 0
         for claim in (at_once_is_the_same, lines_that_run_together_lose_nobody,
-                      what_changes_is_graded_again, a_class_is_interrupted, a_killed_worker_is_replaced,
-                      a_full_disk_is_nobodys_fault, tools_that_fail_on_a_full_disk,
-                      no_memory_is_nobodys_fault, machines_apart_are_one_class,
-                      a_grading_kit_grades_anywhere, other_programs_of_that_name):
+                      what_changes_is_graded_again, only_folders_of_the_dead_are_removed,
+                      a_class_is_interrupted, a_killed_worker_is_replaced, a_full_disk_is_nobodys_fault,
+                      tools_that_fail_on_a_full_disk, no_memory_is_nobodys_fault,
+                      machines_apart_are_one_class, a_grading_kit_grades_anywhere,
+                      other_programs_of_that_name):
             claim(folder)
     finally:
         sandbox.end_strays()

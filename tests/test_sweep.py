@@ -80,6 +80,11 @@ def alone(folder, *words, stem="normals", options=SMALL):
     return glob.glob(os.path.join(glob.escape(out), "figures", "*.png"))[0]
 
 
+def copies():
+    """Returns the folders in which sweeps have copies of their drivers."""
+    return set(glob.glob(os.path.join("impl", "drivers-*")))
+
+
 def hidden(out):
     return [name for name in os.listdir(out) if name.startswith(".")]
 
@@ -249,7 +254,7 @@ def a_sweep_is_interrupted(folder):
     for jobs in ("1", "2"):
         for number in (signal.SIGINT, signal.SIGKILL) if jobs == "2" else (signal.SIGTERM,):
             status = -number if number == signal.SIGKILL else 130
-            out = os.path.join(folder, f"{jobs} {number.name}")
+            out, before = os.path.join(folder, f"{jobs} {number.name}"), copies()
             process = begin(out, MANY, SLOW, f"--jobs={jobs}")
             begun = wait(lambda out=out: _rows(out) and _drivers(out))
             process.send_signal(number)
@@ -258,7 +263,11 @@ def a_sweep_is_interrupted(folder):
                   f"a sweep is stopped by {number.name} (JOBS={jobs})", said)
             check(wait(lambda out=out: not _drivers(out)), "no driver outlives it")
             check(number == signal.SIGKILL or not hidden(out), "and nothing is half-written", hidden(out))
+            left = copies() - before
+            check(bool(left) == (number == signal.SIGKILL), "nor is a copy of the driver left, unless killed",
+                  list(left))
             _, said = sweep(out, MANY, SLOW)
+            check(not left & copies(), "which the next sweep removes", list(copies()))
             check(pictures(out) == expected(folder) and not hidden(out)
                   and 0 < (done(said) or MANY_FRAMES) < MANY_FRAMES, "the same command goes on", said)
 
@@ -359,9 +368,12 @@ def threads_are_divided(folder):
 
 
 def two_sweeps_do_not_mix(folder):
-    out = os.path.join(folder, "two")
+    out, before = os.path.join(folder, "two"), copies()
     process = begin(out, MANY, SLOW)
     wait(lambda: _drivers(out))
+    own = copies() - before
+    status, said = sweep(out + " others", "--yaw=0,1")
+    check(status == 0 and own and own <= copies(), "a sweep leaves another one its driver", said)
     status, said = sweep(out, "--yaw=0,1")
     check(status == 2 and "another sweep" in said, "a folder into which another one is writing is told", said)
     process.send_signal(signal.SIGTERM)

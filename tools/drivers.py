@@ -13,13 +13,13 @@ import re
 import shutil
 import subprocess
 import sys
-import tempfile
 
 from grading import build
 from grading.assignments import (Parser, ToolError, check_impl, find_unit, read_features, reference_unit,
                                  unit_beside, run_command)
 from grading.results import cannot_write, write_whole
 from grading.starters import is_left_open, is_starter
+from grading.temporary_folder import temporary_folder
 
 
 def _object(toolchain, unit, folder):
@@ -98,15 +98,18 @@ def driver_of(feature):
     return os.path.join("impl", "assignments", feature.folder, feature.stem)
 
 
+@contextlib.contextmanager
 def private_folder(toolchain):
-    """Returns a temporary folder beside the drivers, for one process: another that makes drivers at the same
+    """Gives a temporary folder beside the drivers, for one process: another that makes drivers at the same
     time, perhaps with other units, changes nothing in it."""
     parts = os.path.join(toolchain.build, "impl")
-    try:
-        os.makedirs(parts, exist_ok=True)
-        return tempfile.TemporaryDirectory(prefix="drivers-", dir=parts, ignore_cleanup_errors=True)
-    except OSError as error:
-        raise cannot_write(parts, error) from error
+    with contextlib.ExitStack() as stack:
+        try:
+            os.makedirs(parts, exist_ok=True)
+            folder = stack.enter_context(temporary_folder("drivers-", parts))
+        except OSError as error:
+            raise cannot_write(parts, error) from error
+        yield folder
 
 
 class Drivers:

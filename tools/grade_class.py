@@ -30,6 +30,7 @@ from grading.assignments import (
 from grading.class_table import Table
 from grading.collect_write import LIST, RECORD, TABLE
 from grading.parallel_jobs import processors, stop_on_signals
+from grading.temporary_folder import remove_left
 from grade import check_seed
 from grade_one import ELSEWHERE, ENDINGS, Grader, student_of, summary
 
@@ -104,6 +105,8 @@ def _check_out(out, submissions):
         os.makedirs(out, exist_ok=True)
     except OSError as error:
         raise cannot_write(out, error) from error
+    for prefix in (".jobs-", ".kit-"):
+        remove_left(prefix, out)
 
 
 def _engine(arguments, sandboxed):

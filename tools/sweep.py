@@ -15,13 +15,13 @@ import re
 import shlex
 import shutil
 import sys
-import tempfile
 
 from drivers import made_driver, private_folder
 from grading import build, parallel_jobs
 from grading.assignments import (
     Parser, ToolError, cannot_write, is_machines_fault, read_features)
 from grading.results import printable
+from grading.temporary_folder import remove_left, temporary_folder
 from sweeping import film
 from sweeping.keys import Keys
 from sweeping.picture import stem_of
@@ -67,9 +67,8 @@ def _alone(out):
                             "folder") from error
         except OSError:
             pass  # some file systems have no locks
-        for left in glob.glob(os.path.join(glob.escape(out), ".sweep-*")) + glob.glob(
-                os.path.join(glob.escape(out), ".jobs-*")):
-            shutil.rmtree(left, ignore_errors=True)
+        for prefix in (".sweep-", ".jobs-"):
+            remove_left(prefix, out)
         yield
     finally:
         os.close(folder)
@@ -215,8 +214,7 @@ def _render(arguments, toolchain, feature, options, names, values):
             table.read()
         numbers = [number for number in range(1, len(words) + 1) if not table.has(number)]
         kept = len(words) - len(numbers)
-        folder = stack.enter_context(tempfile.TemporaryDirectory(prefix=".sweep-", dir=out,
-                                                                 ignore_cleanup_errors=True))
+        folder = stack.enter_context(temporary_folder(".sweep-", out))
         sweep = _Sweep(table, words, out, folder)
         engine = _engine(arguments, [*options, *(word for word in words[0])], len(numbers))
         command = _plan(arguments, feature, driver, options, words, engine.jobs if engine else 1, folder)

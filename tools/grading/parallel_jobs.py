@@ -8,11 +8,11 @@ import shutil
 import signal
 import subprocess
 import sys
-import tempfile
 import threading
 
 from grading import sandbox
 from grading.assignments import MachineError, ToolError
+from grading.temporary_folder import temporary_folder
 
 TRIES = 3  # a worker that was killed, or whose machine fails, is replaced so often
 FAULTS = 3  # after so many jobs that fail all the same, it is no single one's fault
@@ -134,7 +134,7 @@ class Engine:
         """Yields an Ended for each number, as they end. Workers print a short line each, ungrouped: grouped,
         their output would need space on a disk that may be full. Who ended, and how, is in the job log, if
         two lines should run together."""
-        with tempfile.TemporaryDirectory(prefix=".jobs-", dir=self._out) as folder:
+        with temporary_folder(".jobs-", self._out) as folder:
             log, reasons, told = os.path.join(folder, "log"), {}, set()
             hosts = ["--sshlogin", ",".join(self._hosts), "--workdir", os.getcwd()] if self._hosts else []
             if self._hosts:

@@ -12,6 +12,7 @@ import time
 
 from grading import judged
 from grading.assignments import Unit, UnitError
+from grading.temporary_folder import temporary_folder
 
 _UNIT_BYTES_MAX = 1 << 20
 _HEADER_BYTES_MAX = 1 << 20
@@ -24,6 +25,16 @@ def make_folder():
         if _is_stale(path):
             shutil.rmtree(path, ignore_errors=True)
     return tempfile.mkdtemp(prefix=f"raykit-grade-{os.getpid()}-")
+
+
+@contextlib.contextmanager
+def _folder():
+    """Gives a folder of make_folder."""
+    made = make_folder()
+    try:
+        yield made
+    finally:
+        shutil.rmtree(made, ignore_errors=True)
 
 
 def _is_stale(path):
@@ -105,14 +116,12 @@ def update_kit(toolchain, features, stems, folder):
 def borrowed(folder, toolchain, features, stems, place=None):
     """Gives a folder with a copy of the kit for these suites, all for []: this one, or, for None, one that is
     made, in `place` if that is not None, and removed in the end."""
-    made = None if folder else tempfile.mkdtemp(prefix=".kit-", dir=place) if place else make_folder()
-    try:
-        if made:
-            copy_kit(toolchain, features, stems or list(features), made)
-        yield folder or made
-    finally:
-        if made:
-            shutil.rmtree(made, ignore_errors=True)
+    if folder:
+        yield folder
+        return
+    with temporary_folder(".kit-", place) if place else _folder() as made:
+        copy_kit(toolchain, features, stems or list(features), made)
+        yield made
 
 
 def copy_unit(unit, folder):

@@ -4,9 +4,9 @@ import os
 import re
 import shutil
 import subprocess
-import tempfile
 
 from grading.assignments import ToolError
+from grading.temporary_folder import temporary_folder
 from sweeping.picture import size_of
 
 NAME = "sweep.mp4"
@@ -31,7 +31,7 @@ def write(out, names, rate):
     if len(sizes) > 1:
         raise ToolError("ANIMATE: the frames have different sizes; give all the same --width and --height")
     path = os.path.join(out, NAME)
-    with tempfile.TemporaryDirectory(prefix=".sweep-", dir=out) as folder:
+    with temporary_folder(".sweep-", out) as folder:
         part = os.path.join(folder, NAME)
         # The film's coding takes even sizes, and colours that all players know.
         ended = subprocess.run(
