@@ -7,6 +7,7 @@ import csv
 import io
 import os
 import random
+import re
 import sys
 import tempfile
 from unittest import mock
@@ -16,6 +17,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(SOURCE, "tools"))
 
 import disguise  # noqa: E402
+import made_up_class  # noqa: E402
 import similar  # noqa: E402
 from grading import fingerprints  # noqa: E402
 from grading.assignments import read_features  # noqa: E402
@@ -166,7 +168,44 @@ def honest_work_is_not(folder):
     units = {f"s{number}": shading_by(f"{idiom}\nint f(int a) {{ return {text}; }}")
              for number, text in enumerate(sums)}
     rows, _ = compared(folder, "shading", units)
-    check(not rows, "what more than half of a class has counts for nobody", rows[:3])
+    check([row["other"] for row in rows] == ["one another"],
+          "what more than half of a class has counts for nobody", rows[:3])
+
+
+def class_with(folder, count):
+    """A made-up class, of which so many also handed in the same code, and two of these the same beside it.
+    Returns the rows, what was said, and the names of those that have it."""
+    with tempfile.TemporaryDirectory(dir=folder) as here:
+        works = {member.id: member.work.text for member in made_up_class.make(SOURCE, here, 100)
+                 if member.work.text is not None}
+        having = random.Random(2).sample(sorted(works), count)
+        for name, text in works.items():
+            lines = HONEST[1] if name in having else ""
+            lines += HONEST[0].replace("rk_gradient_at", "mine") if name in having[:2] else ""
+            os.makedirs(os.path.join(here, "class", name))
+            with open(os.path.join(here, "class", name, "normals.c"), "wb") as file:
+                file.write(text + lines.encode())
+        return *run_in(here, "normals"), having
+
+
+def code_that_many_share_is_told_once(folder):
+    alone, _, _ = class_with(folder, 0)
+    for count in (6, 40):
+        rows, said, having = class_with(folder, count)
+        listed = [{row["submission"], row["other"]} for row in rows]
+        check(len(rows) < len(alone) + count and all(any(name in pair for pair in listed) for name in having),
+              f"{count} that share code are each listed with one other", f"{len(rows)} rows")
+        told = "submissions share code, each with at least one other"
+        check(said.count(told) == 1 and f"similar: normals: {count}" in said
+              or count == 40 and re.search(rf"normals: 4\d {told}", said), "one line says so", said)
+        check(set(having[:2]) in listed, "two that share more are a pair all the same", listed)
+    rows, said, having = class_with(folder, 60)
+    ring = [row for row in rows if row["other"] == "one another"]
+    check(len(ring) == 1 and len(rows) <= len(alone) + 4 and ring[0]["submission"].startswith("60 of 93")
+          and said.count("60 of 93 submissions, such as") == 1 and "counts for nobody" in said,
+          "what more than half of a class shares is told in one line and one row", f"{said}{ring}")
+    first, last = map(int, ring[0]["lines of the longest passage"].removeprefix("lines ").split("-"))
+    check(last - first > 20, "with its lines", ring)
 
 
 def nothing_ends_it(folder):
@@ -226,6 +265,7 @@ def main():
         copies_are_found(folder)
         a_single_function_is_found(folder)
         honest_work_is_not(folder)
+        code_that_many_share_is_told_once(folder)
         nothing_ends_it(folder)
     a_class_is_quick()
     return finish()

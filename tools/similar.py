@@ -19,6 +19,7 @@ from grading import results
 from grading.assignments import (Parser, ToolError, UnitError, cannot_write, check_impl, choose, handed_in,
                                  read_features, run_command)
 from grading.fingerprints import Text
+from grading.pair_groups import spanning, strongest
 from grading.starters import starter_of
 
 # Between what was written apart and copies in disguise: docs/tools.md has the measurement.
@@ -119,30 +120,65 @@ class Comparison:
                 put(member)
 
 
+def _of_most(stem, texts, given, common):
+    """Returns a row for those that would be pairs by what most of a class have, the first of them side by
+    side; or None."""
+    having = []
+    for name, text in texts.items():
+        own = text.prints & common
+        same, size = text.covered(own), text.covered(text.prints - given)
+        if same >= max(TOKENS, SHARE * size) or text.rows(own, PASSAGE):
+            having.append((name, text, same, same / size))
+    if len(having) < 2:
+        return None
+    (one, first, same, share), (other, second, _, _) = having[:2]
+    lines = first.longest_passage(second, first.prints & second.prints & common)
+    who = f"{len(having)} of {len(texts)} submissions, such as {one} and {other}"
+    return Pair(stem, who, "one another", share, same, *lines)
+
+
+def _not_listed(stem, sizes, of_most):
+    """Yields a line for each reason why pairs are not listed."""
+    for size in sizes:
+        yield (f"similar: {stem}: {size} submissions share code, each with at least one other; each is "
+               "listed with the one that it shares most with")
+    if of_most:
+        yield (f"similar: {stem}: {of_most.one}, have the same code, lines {_span(of_most.lines)} of the "
+               "first; between submissions it counts for nobody: all were given it, or most copied it")
+
+
 def compare_class(feature, texts, last_year):
-    """Returns the Comparison of an assignment's units."""
+    """Returns the pairs to read of an assignment's units, and lines that say which are not among them."""
     given = Text(starter_of(feature.reference)).prints
     with open(feature.reference, encoding="utf-8") as file:
         reference = Text(file.read())
-    done = Comparison(feature.stem)
-    done.compare(texts, None, given | _common(texts.values(), given))
+    common = _common(texts.values(), given)
     # What most have is of interest where it is the reference's: most may have copied it.
-    done.compare(texts, {"the reference": reference, **last_year}, given)
-    return done
+    kinds = (None, given | common), ({"the reference": reference}, given), (last_year, given)
+    found = []
+    for others, nobodys in kinds:
+        done = Comparison(feature.stem)
+        done.compare(texts, others, nobodys)
+        found.append(done.pairs)
+    pairs, sizes = spanning(found[0])
+    of_most = _of_most(feature.stem, texts, given, common)
+    return [*([of_most] if of_most else []), *pairs, *found[1], *strongest(found[2])], _not_listed(
+        feature.stem, sizes, of_most)
+
+
+def _span(lines):
+    return "-".join(map(str, lines))
 
 
 def table(pairs):
     """Returns similar.csv, the largest shares first."""
-    def span(lines):
-        return "-".join(map(str, lines))
-
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(_COLUMNS)
     for pair in sorted(pairs, key=lambda pair: (-pair.share, -pair.tokens, pair)):
         writer.writerow([pair.stem, results.csv_cell(pair.one), results.csv_cell(pair.other),
-                         f"{pair.share:.2f}", pair.tokens, f"lines {span(pair.lines)}",
-                         f"lines {span(pair.other_lines)}"])
+                         f"{pair.share:.2f}", pair.tokens, f"lines {_span(pair.lines)}",
+                         f"lines {_span(pair.other_lines)}"])
     return text.getvalue()
 
 
@@ -164,11 +200,11 @@ def similar(source, asked, submissions, out, last_year):
             left_out.append(feature.stem)
             continue
         others, unread_others = _read_all(feature, before, stems, "last year: ")
-        for line in unread + unread_others:
+        of_stem, not_listed = compare_class(feature, texts, others)
+        for line in [*unread, *unread_others, *not_listed]:
             print(results.printable(line))
-        done = compare_class(feature, texts, others)
-        pairs += done.pairs
-        print(f"similar: {feature.stem}: {len(texts)} units, {len(done.pairs)} pairs to read", flush=True)
+        pairs += of_stem
+        print(f"similar: {feature.stem}: {len(texts)} units, {len(of_stem)} pairs to read", flush=True)
     if left_out:
         print(f"similar: no units to compare of {', '.join(left_out)}; ASSIGNMENTS=\"...\" would say why")
     path = os.path.join(out, "similar.csv")
