@@ -7,6 +7,7 @@ import copy
 import csv
 import errno
 import glob
+import gzip
 import io
 import json
 import os
@@ -26,6 +27,7 @@ sys.path.insert(0, os.path.join(SOURCE, "tools"))
 
 from grading import bubblewrap  # noqa: E402
 from grading import build  # noqa: E402
+from grading import private_copy  # noqa: E402
 from grading import class_table  # noqa: E402
 import grade  # noqa: E402
 import grade_one  # noqa: E402
@@ -1026,6 +1028,45 @@ def what_a_course_system_delivers(folder):
           "a table, hidden work, and an archive beside its folder, are no students, but named", said)
 
 
+def one_assignment_is_not_graded(tool, folder):
+    """The other one is, and so are all other students."""
+    place, out = os.path.join(folder, "one-unreadable"), os.path.join(folder, "one-unreadable-results")
+    unread = {"unit": "bvh_median.c", "header": "own.h", "header below": os.path.join("own", "a.h")}
+    told = {**{name: f"{path} cannot be read; check its permissions" for name, path in unread.items()},
+            "archive": "bvh_median.c is an archive (gzip); unpack it"}
+    for name in [*told, "right"]:
+        put(starter_of(FEATURES["bloom"].reference), place, name, "bloom.c")
+        put('#include "own.h"\n#include "own/a.h"\n' * name.startswith("header") + unit(""), place, name,
+            "bvh_median.c")
+        put("", place, name, "own.h")
+        put("", place, name, "own", "a.h")
+    with open(os.path.join(place, "archive", "bvh_median.c"), "wb") as file:
+        file.write(gzip.compress(unit("").encode()))
+    closed = [os.path.join(place, name, path) for name, path in unread.items()]
+    closed[-1] = os.path.dirname(closed[-1])
+    for path in closed:
+        os.chmod(path, 0)
+    status, said = run(*tool, "bloom", "--submissions", place, "--out", out)
+    rows = {}
+    if os.path.exists(os.path.join(out, "class.csv")):
+        with open(os.path.join(out, "class.csv"), encoding="utf-8", newline="") as file:
+            rows = {row[0]: row for row in csv.reader(file)}
+    for name, reason in told.items():
+        row = rows.get(name, [""] * 10)
+        check(status == 1 and row[1] == "" and row[2].isdigit() and row[9] == f"bvh_median: {reason}",
+              f"where one assignment cannot be read, the other is graded ({name})", f"{said}{row}")
+    check(rows and all(cell.isdigit() for cell in rows["right"][1:4]), "and so is everybody else", said)
+    tool = [*tool[:-2], os.path.join(SOURCE, "tools", "grade.py"), "bvh_median", "bloom"]
+    for name, reason in told.items():
+        status, said = run(*tool, "--impl", os.path.join(place, name))
+        check(status == 1 and re.search(rf"bvh_median +not graded\n +{re.escape(reason)}\n", said)
+              and re.search(r"bloom +\d+ of \d+ claims", said)
+              and re.search(r"in all \d+ of 200 points, 1 not graded$", said.strip()),
+              f"make grade says so, too ({name})", said)
+    for path in closed:
+        os.chmod(path, 0o700)
+
+
 def what_cannot_be_read_is_not_graded(folder):
     """The instructor's copy is to blame, so it earns no 0 points."""
     place, out = os.path.join(folder, "unreadable"), os.path.join(folder, "unreadable-results")
@@ -1046,6 +1087,7 @@ def what_cannot_be_read_is_not_graded(folder):
           and all(f"{name} cannot be read; check its permissions" in said for name in told.values())
           and all(f"not graded: {name} cannot" in read(out, f"{key}.json") for key, name in told.items()),
           "folders and files that cannot be read are told, and not graded", said)
+    one_assignment_is_not_graded(tool, folder)
     tool[-2] = os.path.join(SOURCE, "tools", "grade.py")
     status, said = run(*tool, "--own", "--impl", os.path.join(place, "folder"))
     check(status == 2 and "the folder folder cannot be read; check its permissions" in said,
@@ -1074,6 +1116,23 @@ def what_vanishes_is_not_graded(folder):
     [suite] = grade_one.Grader._prepared(grader, gone)
     check(suite.not_graded == "gone vanished while the class was graded",
           "a submission that vanishes is told to who grades, as that", suite.not_graded)
+    place, out = (os.path.join(folder, name) for name in ("going", "going-results"))
+    put(unit(""), place, "bvh_median.c")
+    put("", out, "kept")
+    toolchain = build.Toolchain(".")
+    with private_copy.borrowed(None, toolchain, FEATURES, [FEATURE.stem]) as kit:
+        toolchain.kit_copy = kit
+        grader = grade_one.Grader(toolchain, [FEATURE.stem], out, "text")
+        suites = grader._prepared(place)
+        os.unlink(os.path.join(place, "bvh_median.c"))
+        with mock.patch.object(grader, "_prepared", lambda _: suites):
+            try:
+                known, [found] = grader.known(place, "going"), grader.grade(place, "going")
+                said = f"{known} {found['not_graded']}"
+            except OSError as error:
+                said = f"raised: {error}"
+    check(said == "None bvh_median.c: No such file or directory",
+          "so is one that vanishes after it was found", said)
 
 
 def spans_are_told_as_such(folder):

@@ -31,7 +31,6 @@ from grading import sandbox
 from grading import unit_rules
 from grading.assignments import (
     DEDUCTION, FREES_ALL, KEEPS_NOTHING, MachineError, Parser, ToolError, UngradableError, Unit, UnitError,
-    UnreadableError,
     check_impl, choose, choose_format, handed_in, ignored_in, missing_unit, read_features, read_points,
     submitted_unit, unit_beside, units_of_suite,
 )
@@ -534,13 +533,13 @@ def _prepare_suite(feature, impl, own, only):
             unit.shown = results.name_of(unit.path)
         suite = Suite(feature, unit, tests)
         remarks += _other_names(unit) if not own else []
-        suite.remarks += remarks + (_not_handed_in(unit) if own else [])
+        missed = _not_handed_in(unit)
+        suite.remarks += remarks + (missed if own else [])
         return suite
     except UnitError as error:
         suite = Suite(feature, Unit(feature, None, feature.stem + ".c", False), tests)
         suite.not_graded = str(error) if isinstance(error, UngradableError) else ""
-        is_unread = isinstance(error, UnreadableError) and not own
-        suite.give_up(f"not graded: {error}" if is_unread else str(error))
+        suite.give_up(f"not graded: {error}" if suite.not_graded and not own else str(error))
         return suite
 
 

@@ -66,7 +66,7 @@ def _notes(suite):
     notes = [*suite.remarks, *([f"{stem}: {claims} timed out"] if hung else [])]
     if suite.unit.is_reference:
         notes.append(f"{stem}: this is the reference")
-    elif _is_reference_text(suite):
+    elif not suite.not_graded and _is_reference_text(suite):
         notes.append(f"{stem}: the same text as the reference")
     return notes
 
@@ -76,9 +76,15 @@ def _none_of(features, reason):
     suites = [Suite(feature, Unit(feature, None, feature.stem + ".c", False), read_points(feature))
               for feature in features]
     for suite in suites:
-        suite.not_graded = reason
+        suite.not_graded, suite.is_own = reason, False
         suite.give_up(f"not graded: {reason}")
     return suites
+
+
+def _said_of(error):
+    """Returns an error's text without the path to the submission."""
+    name = getattr(error, "filename", None)
+    return f"{os.path.basename(name)}: {error.strerror}" if name else str(error)
 
 
 class Grader:
@@ -105,17 +111,17 @@ class Grader:
         """Gives a suite its verdicts, from before where nothing has changed. Returns what is known of it."""
         key = ""
         if not suite.problem:
-            key, before = self._before(suite, name)
-            if before:
-                suite.take(before["judged"])
-                return before
             try:
+                key, before = self._before(suite, name)
+                if before:
+                    suite.take(before["judged"])
+                    return before
                 grade_prepared(self.toolchain, [suite], path)
             except Exception as error:
                 if is_machines_fault(error):
                     raise
-                suite.not_graded = str(error)
-                suite.give_up(f"not graded: {error}")
+                suite.not_graded = _said_of(error)
+                suite.give_up(f"not graded: {suite.not_graded}")
         return verdict_files.write(self.out, name, suite, "" if suite.not_graded else key,
                                    _notes(suite))
 
@@ -130,7 +136,11 @@ class Grader:
         """Returns what is known of a submission, with a report, if none of its code has to run for it; or
         None."""
         suites = self._prepared(path)
-        if all(suite.problem or self._before(suite, name)[1] for suite in suites):
+        try:
+            is_known = all(suite.problem or self._before(suite, name)[1] for suite in suites)
+        except OSError:  # of one submission, which its worker tells
+            is_known = False
+        if is_known:
             found = [self._judge(suite, name, path) for suite in suites]
             self._write_report(suites, name)
             return found

@@ -249,6 +249,16 @@ def is_archive(name):
     return name.lower().endswith((".zip", ".tar", ".tgz", ".tar.gz", ".tar.xz", ".tar.bz2", ".7z", ".rar"))
 
 
+_ARCHIVES = {b"\x1f\x8b": "gzip", b"PK\3\4": "zip", b"BZh91AY&SY": "bzip2", b"\xfd7zXZ\0": "xz",
+             b"7z\xbc\xaf\x27\x1c": "7z", b"Rar!\x1a\7": "rar", b"\x28\xb5\x2f\xfd": "zstd"}
+
+
+def archive_in(data):
+    """Returns which kind of archive the bytes of a file are, or "". The first 512 are enough."""
+    kind = next((name for begin, name in _ARCHIVES.items() if data.startswith(begin)), "")
+    return "tar" if data[257:262] == b"ustar" else kind
+
+
 def is_misnamed_c(name):
     """Whether a file's name is one of those that C files get by mistake."""
     return name.endswith(".C") or name.lower().endswith((".cpp", ".cc", ".cxx", ".c.txt"))
@@ -366,15 +376,24 @@ def submitted_unit(feature, impl, place=None):
     return _unit_in(feature, path)
 
 
+def _unpacked(unit):
+    """Returns the unit, or raises UngradableError if it is an archive under the name of a C file."""
+    with open(unit.path, "rb") as file:
+        kind = archive_in(file.read(512))
+    if kind:
+        raise UngradableError(f"{os.path.basename(unit.path)} is an archive ({kind}); unpack it")
+    return unit
+
+
 def handed_in(feature, impl):
     """Returns the submitted unit as a grader finds it, also below the top of the folder, and remarks on where
     that was, and on an edited suite in the pack around it, which does not count."""
     if not os.path.isdir(impl) or os.path.lexists(os.path.join(impl, feature.stem + ".c")):
-        return submitted_unit(feature, impl), []
+        return _unpacked(submitted_unit(feature, impl)), []
     place = _place_below(feature, impl)
     if not place or not os.path.lexists(os.path.join(impl, place)):
         _check_readable_below(impl)
-    unit, remarks = submitted_unit(feature, impl, place), [f"taken from {place}"]
+    unit, remarks = _unpacked(submitted_unit(feature, impl, place)), [f"taken from {place}"]
     suite = os.path.join(os.path.dirname(os.path.dirname(place)), "tests", os.path.basename(feature.suite))
     path = os.path.join(impl, suite)
     if os.path.isfile(path) and os.access(path, os.R_OK) and not filecmp.cmp(path, feature.suite,

@@ -13,7 +13,7 @@ import subprocess
 
 from grading import sandbox
 from grading import unit_rules
-from grading.assignments import MachineError, ToolError
+from grading.assignments import MachineError, ToolError, archive_in
 from grading.c_source import functions_of, line_of, tokens_of
 
 _SECONDS = 30
@@ -209,8 +209,6 @@ def _refuse(unit, fault):
 
 
 # How files begin that are no text.
-_ARCHIVES = {b"\x1f\x8b": "gzip", b"PK\3\4": "zip", b"BZh91AY&SY": "bzip2", b"\xfd7zXZ\0": "xz",
-             b"7z\xbc\xaf\x27\x1c": "7z", b"Rar!\x1a\7": "rar", b"\x28\xb5\x2f\xfd": "zstd"}
 _PROGRAMS = b"\x7fELF", b"\xcf\xfa\xed\xfe", b"!<arch>\n"
 
 
@@ -233,10 +231,8 @@ def _check_text(unit):
         text = file.read()
     if not text.strip():
         raise BuildError(f"{unit.shown} is empty")
-    archive = next((name for begin, name in _ARCHIVES.items() if text.startswith(begin)), None)
-    archive = "tar" if text[257:262] == b"ustar" else archive
-    if archive:
-        raise BuildError(f"{unit.shown} is an archive ({archive}); unpack it")
+    if archive_in(text):
+        raise BuildError(f"{unit.shown} is an archive ({archive_in(text)}); unpack it")
     if text.startswith(_PROGRAMS):
         raise BuildError(f"{unit.shown} is a compiled program; hand in the text that it was made of")
     wide = _wide_encoding(text)

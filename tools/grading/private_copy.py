@@ -7,11 +7,12 @@ import glob
 import os
 import re
 import shutil
+import stat
 import tempfile
 import time
 
 from grading import judged
-from grading.assignments import Unit, UnitError
+from grading.assignments import Unit, UnitError, UnreadableError
 from grading.temporary_folder import temporary_folder
 
 _UNIT_BYTES_MAX = 1 << 20
@@ -148,7 +149,7 @@ def _headers_beside(source, text, place="", seen=None):
     for name in re.findall(rb'^[ \t]*#[ \t]*include[ \t]*"([^"\n]+\.h)"', text, re.MULTILINE):
         relative = os.path.normpath(os.path.join(place, os.fsdecode(name)))
         path = os.path.join(source, relative)
-        if relative in seen or not os.path.isfile(path) or not _is_below(path, source):
+        if relative in seen or not _is_below(path, source) or not _is_file(path, relative):
             continue
         seen.add(relative)
         with open(path, "rb") as file:
@@ -157,8 +158,22 @@ def _headers_beside(source, text, place="", seen=None):
         yield from _headers_beside(source, header, os.path.dirname(relative), seen)
 
 
+def _is_file(path, shown):
+    """Raises UnreadableError for one that may not be read."""
+    try:
+        is_file = stat.S_ISREG(os.stat(path).st_mode)
+    except PermissionError as error:
+        raise UnreadableError(shown) from error
+    except OSError:
+        return False
+    if is_file and not os.access(path, os.R_OK):
+        raise UnreadableError(shown)
+    return is_file
+
+
 def own_headers(unit):
-    """Returns the names of headers beside a student's unit without which it does not compile."""
+    """Returns the names of headers beside a student's unit without which it does not compile. Raises
+    UnreadableError for one that may not be read."""
     with open(unit.path, "rb") as file:
         text = file.read(_UNIT_BYTES_MAX)
     return [name for name, _ in _headers_beside(os.path.realpath(os.path.dirname(unit.path)), text)]

@@ -43,6 +43,7 @@ def _shown(suite):
     what the code tells of itself, names of files."""
     suite = copy.copy(suite)
     suite.problem, suite.warnings = printable(suite.problem), printable(suite.warnings)
+    suite.not_graded = printable(suite.not_graded)
     suite.beside, suite.remarks = _in_a_line(suite.beside), list(map(_in_a_line, suite.remarks))
     suite.verdicts = {name: copy.copy(verdict) for name, verdict in suite.verdicts.items()}
     for verdict in suite.verdicts.values():
@@ -246,12 +247,15 @@ def text(suites, impl, colours=False, brief=False):
         whose = f"  ({_whose(suite)})" if _whose(suite) else ""
         said = _text_of_prints(suite) if brief else []
         counts = "no claim was checked" if suite.problem and suite.is_own else _counts(suite)
+        is_graded = suite.is_own or not suite.not_graded
+        if not is_graded:
+            word, counts = f"{'-':<{len('FAIL  ')}}", "not graded"
         said.append(f"{word}{suite.feature.stem:<24}{counts}{whose}")
         said += _wrapped(_lost(suite), " " * 6) if _lost(suite) else []
         said += _steps(suite) if brief and not suite.passed() else []
         said += [line for remark in suite.remarks for line in _wrapped(remark, " " * 6)]
         see_all = command_of("check", suite.feature, impl, " ALL=1")
-        said += _text_of_failures(suite, brief, see_all)
+        said += _text_of_failures(suite, brief, see_all) if is_graded else _wrapped(suite.not_graded, " " * 6)
         warnings = suite.warnings.split("\n") if suite.warnings else []
         room = max(4, _SCREEN - len(said)) if brief else 60
         lines += [*_some(warnings, room, f"and {{}} more lines of warnings: {see_all}"), *said]
@@ -265,13 +269,15 @@ def text(suites, impl, colours=False, brief=False):
                 begin = command_of("start", suite.feature, own).replace(f"-{suite.feature.stem}", "", 1)
                 lines.append(f"      next: {begin}")
     if len(suites) > 1:
-        lines.append(f"in all {total(suites)} points")
+        lines.append(f"in all {total(suites)}")
     return "\n".join(lines) + "\n"
 
 
 def total(suites):
-    """Returns "91 of 500"."""
-    return f"{sum(suite.points() for suite in suites)} of {sum(suite.points_max() for suite in suites)}"
+    """Returns "91 of 500 points", and how many were not graded."""
+    points, most = sum(suite.points() for suite in suites), sum(suite.points_max() for suite in suites)
+    left = sum(bool(suite.not_graded) for suite in suites)
+    return f"{points} of {most} points" + (f", {left} not graded" if left else "")
 
 
 @_report
@@ -311,7 +317,7 @@ def table(suites, impl):
         passed = f"{sum(suite.verdicts[test.name].passed for test in suite.tests)} of {len(suite.tests)}"
         points = f"{suite.points()} of {suite.points_max()}"
         lines.append(f"{suite.feature.folder:<{width}}{passed:>10}{points:>14}  {_next(suite, suites)}")
-    lines.append(f"{name:<{width}}{'':>10}{total(suites):>14}")
+    lines.append(f"{name:<{width}}{'':>10}{total(suites).replace(' points', ''):>14}")
     return "\n".join(lines) + "\n"
 
 
@@ -480,6 +486,6 @@ def write(suites, format_name, impl, path=None, brief=False):
         report = FORMATS[format_name](suites, impl)
     if path:
         write_whole(path, report)
-        print(printable(f"grade: {impl}: {total(suites)} points; wrote {path}"))
+        print(printable(f"grade: {impl}: {total(suites)}; wrote {path}"))
     else:
         sys.stdout.write(report)

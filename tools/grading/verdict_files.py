@@ -79,6 +79,10 @@ def _claims(suite):
                "passed": verdict.passed, "reason": verdict.reason, "place": verdict.place}
 
 
+def _is_starter(suite):
+    return bool(suite.unit.path) and not suite.not_graded and is_starter(suite.unit)
+
+
 def write(out, name, suite, key, notes):
     """Writes what a graded suite found, with notes for the instructor, and returns it."""
     first, reason = results.first_failed([suite])
@@ -88,7 +92,7 @@ def write(out, name, suite, key, notes):
         "points": suite.points(), "maximum": suite.points_max(), "passed": suite.passed(),
         "problem": suite.problem, "first": first, "reason": reason, "notes": notes,
         "seconds": round(sum(verdict.worked for verdict in suite.verdicts.values()), 2),
-        "is_starter": bool(suite.unit.path) and is_starter(suite.unit), "claims": list(_claims(suite)),
+        "is_starter": _is_starter(suite), "claims": list(_claims(suite)),
         "judged": suite.judged(),
     }
     path = path_of(out, suite.feature.stem, name)
