@@ -20,7 +20,8 @@ sys.path.insert(0, os.path.join(SOURCE, "tools"))
 
 from by_address import by_address  # noqa: E402
 from tap import check, finish, run, start  # noqa: E402
-from grading import build, c_source, private_copy, results, sandbox, unit_rules  # noqa: E402
+from grading import (build, c_source, private_copy, results, sandbox, unit_rules,  # noqa: E402
+                     volatile_constants)
 from grading.assignments import (  # noqa: E402
     DEDUCTION, FREES_ALL, KEEPS_NOTHING, ScoredTest, Unit, read_features, read_points,
 )
@@ -256,6 +257,13 @@ HONEST = {
     "constant tables": unit("if (names[0][0] != table[1]) return false;",
                             "static const char *const names[] = {\"a\"};\n"
                             "static const int table[] = {1, 'a'};\n"),
+    "constants that are volatile": unit(
+        "static volatile const short odd = 7, more[] = {1, 2};\n"
+        "    if (odd + last + more[1] == 1) return false;",
+        "static const volatile int last = 5;\nconst volatile static float none;\n"),
+    "the version that a revision system writes": unit(
+        "", '#ident "$Id: bvh_median.c,v 1.2 2026/11/29 ann Exp $"\n%:sccs "1"\n'),
+    "a version that would be assembly": unit("", '#ident "1\\"\\n.incbin \\"/etc/passwd\\"\\n#"\n'),
     "a main and helpers without static": unit("", "int main(void);\nint main(void)\n{\n    return 1;\n}\n"),
 }
 
@@ -274,12 +282,14 @@ def long_texts_take_little(grader):
     million = 1 << 20
     parts = {"blank lines": "\n", "comments that do not end": "//\\\n/*",
              "attributes that do not end": "__attribute__((", "brackets": "[[", "quotes": "'", "braces": "{",
-             "directives": "#\\\n", "assembly": "asm("}
+             "directives": "#\\\n", "assembly": "asm(",
+             "declarations": "static const volatile int x[", "words": "static const volatile "}
     for name, part in parts.items():
         text = part * (million // len(part))
         began = time.process_time()
         unit_rules.fault_in_source(text)
         unit_rules.fault_in_assembly(text)
+        volatile_constants.names_in(text)
         list(c_source.functions_of(c_source.tokens_of(text)))
         list(private_copy._headers_beside(SOURCE, text.encode()))
         took = time.process_time() - began
@@ -329,6 +339,13 @@ def reasons_fit(grader):
 
 # --- Claims of the grader's own -----------------------------------------------------------------
 
+def no_constant_is_written(grader):
+    suite = grader.add(unit("*(int *)(uintptr_t)&odd += 1;", "static const volatile int odd = 5;\n"))
+    grader.grade()
+    check(not suite.verdicts[EMPTY.name].passed and not suite.problem, "a unit that writes to one crashes",
+          results.text([suite], ""))
+
+
 def what_is_kept_is_named(grader):
     count, keep = "static int calls;\n    calls += 1;\n    if (calls > 1 << 20) return false;", "last = mesh;"
     cases = {
@@ -338,6 +355,12 @@ def what_is_kept_is_named(grader):
             "`asan_calls`"),
         "a variable beside the functions": (keep, "static const void *volatile last;\n", "`last`"),
         "a variable of each thread": (keep, "static _Thread_local const void *volatile last;\n", "`last`"),
+        "a volatile one beside a constant that is": (
+            "if (odd[0]) last = mesh;", "static const volatile int odd[] = {1}, *volatile last;\n", "`last`"),
+        "one called as a constant is": (
+            "{ static int odd; odd += 1; if (odd > 1 << 20) return false; }",
+            "static const volatile int odd = 1;\nint reads_odd(void);\nint reads_odd(void)\n{\n"
+            "    return odd;\n}\n", "`odd`"),
         "one that has a value": ("seed *= 3;", "static volatile unsigned seed = 7;\n", "`seed`"),
     }
     suites = {claim: grader.add(unit(statement, before), ALL)
@@ -520,6 +543,7 @@ def main():
         honest_code_is_not_refused(grader)
         long_texts_take_little(grader)
         reasons_fit(grader)
+        no_constant_is_written(grader)
         what_is_kept_is_named(grader)
         if toolchain.finds_leaks():
             a_leak_is_a_claim_of_its_own(grader)

@@ -13,6 +13,7 @@ import subprocess
 
 from grading import sandbox
 from grading import unit_rules
+from grading import volatile_constants
 from grading.assignments import MachineError, ToolError, archive_in
 from grading.c_source import functions_of, line_of, tokens_of
 
@@ -144,7 +145,7 @@ def compile_unit(toolchain, unit, folder, extra_flags=()):
     base = os.path.join(folder, unit.feature.stem)
     # An object for link-time optimization would not tell what it uses.
     flags = [*toolchain.flags, *extra_flags, "-fno-lto", "-Werror=implicit-function-declaration"]
-    source = unit.path
+    source, constants = unit.path, set()
     if not unit.is_reference:
         _check_text(unit)
         _check_no_header_hides(toolchain, unit)
@@ -154,7 +155,13 @@ def compile_unit(toolchain, unit, folder, extra_flags=()):
         _compile(toolchain, unit, folder,
                  [*flags, "-g0", "-E", "-MD", "-MF", listing, unit.path, "-o", source])
         _check_included(toolchain, unit, listing)
-        _refuse(unit, unit_rules.fault_in_source(_read(source), lambda name: _with_line(unit, name)))
+        text = unit_rules.without_version(_read(source))
+        if text != _read(source):
+            with open(source, "w", encoding="utf-8") as file:
+                file.write(text)
+        _refuse(unit, unit_rules.fault_in_source(text, lambda name: _with_line(unit, name)))
+        constants = volatile_constants.names_in(text)
+        flags += ["-fdata-sections"] if constants else []
     with concurrent.futures.ThreadPoolExecutor(1) as pool:
         is_at_home = not unit.is_reference and not toolchain.judges
         layout = pool.submit(_about_layout, toolchain, unit, folder, flags) if is_at_home else None
@@ -164,6 +171,8 @@ def compile_unit(toolchain, unit, folder, extra_flags=()):
         warnings = "\n".join(filter(None, [layout.result(), warnings]))
     if not unit.is_reference:
         _refuse(unit, unit_rules.fault_in_assembly(_read(base + ".s")))
+    if constants:
+        volatile_constants.place(base + ".s", constants)
     _compile(toolchain, unit, folder, [*flags, "-c", base + ".s", "-o", base + ".o"])
     return base + ".o", warnings
 

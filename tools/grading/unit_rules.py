@@ -106,6 +106,11 @@ def _fault_in_attribute(name, with_line):
             "the attribute out")
 
 
+def without_version(text):
+    """Returns a text without what #ident says, which would go into the assembly as it is."""
+    return re.sub(r"^[ \t]*(?:#|%:)[ \t]*(?:ident|sccs)\b.*$", "", text, flags=re.MULTILINE)
+
+
 def fault_in_source(text, with_line=str):
     """Attributes that place code or switch off its checks, directives that are left, and the sanitizers'
     own functions. `with_line` adds to a name where the unit has it."""
