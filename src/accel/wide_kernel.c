@@ -37,12 +37,12 @@ const rk_wide_kernel *rk_wide_kernel_named(const char *isa, rk_error *error)
 {
     bool is_name;
     const rk_wide_kernel *kernel = pick(isa, &is_name);
-    if (!is_name)
+    if (isa && !is_name)
         rk_fail(error,
                 "RAYKIT_ISA=%s: choose scalar, sse2, avx2 or avx512, or leave it unset for "
                 "the fastest",
                 isa);
-    else if (!kernel)
+    else if (isa && !kernel)
         rk_fail(error,
                 "RAYKIT_ISA=%s: this machine or this build does not have it; leave "
                 "RAYKIT_ISA unset for the fastest that it has",

@@ -127,7 +127,8 @@ static double blend4(const double w[4], double a, double b, double c, double d)
     return (w[0] * a + w[3] * d) + (w[1] * b + w[2] * c);
 }
 
-static point blend(const double w[4], const point p[4])
+/* `w`, `p`: 4 each. */
+static point blend(const double *w, const point *p)
 {
     return (point){blend4(w, p[0].x, p[1].x, p[2].x, p[3].x),
                    blend4(w, p[0].y, p[1].y, p[2].y, p[3].y),
