@@ -81,6 +81,24 @@ if command -v flock >/dev/null; then
     verdict of_two_that_begin_at_once_one_configures
 fi
 
+mkdir "$folder/old"
+cp "$makefile" "$folder/old"
+cat >"$folder/old/Makefile" <<END
+abs_builddir = $folder/old
+Makefile: newer ; @echo configured >>drawn; touch \$@
+clean distclean report: ; @echo \$@ >>drawn
+END
+touch "$folder/old/newer"
+touch -t 200001010000 "$folder/old/Makefile"
+run "$folder/old" -j2 distclean && run "$folder/old" clean && [ "$(drawn "$folder/old")" = "distclean
+clean" ]
+verdict what_only_removes_files_configures_nothing
+
+rm "$folder/old/drawn"
+run "$folder/old" report && [ "$(drawn "$folder/old")" = "configured
+report" ]
+verdict anything_else_configures_first_where_that_is_due
+
 mv "$source" "$folder/renamed"
 run "$folder/renamed" report && [ "$(drawn "$folder/renamed")" = " 'CFLAGS=-O2 -g'" ]
 verdict a_renamed_folder_does_not_need_the_old_one
