@@ -195,7 +195,7 @@ static void append_attribute(byte_list *list, const char *name, const char *type
  * space. `names`: of its channels, each followed by a blank. A window has its first column and row,
  * and its last. */
 static test_path write_exr(const test_folder *folder, const char *names, const char *space,
-                           const uint32_t data[4], const uint32_t display[4], const float *values)
+                           const uint32_t *data, const uint32_t *display, const float *values)
 {
     byte_list channels = {.size = 0};
     uint32_t size = 0;

@@ -401,6 +401,17 @@ def its_cost_is_measured():
           ended.stdout + ended.stderr)
 
 
+def what_cannot_be_compared_is_told():
+    tool = os.path.join(SOURCE, "tests", "test_same_verdicts.py")
+    for more, told in (({"EVERY": "many"}, "EVERY=many: give a whole number from 1 on"),
+                       ({"STEMS": "normal"}, 'there is no feature "normal"; choose one of: normals')):
+        environment = dict(os.environ, **{f"RAYKIT_{name}": text for name, text in more.items()})
+        ended = subprocess.run([sys.executable, "-B", tool], env=environment, capture_output=True, text=True,
+                               check=False)
+        check(ended.returncode == 1 and ended.stderr.startswith(told) and ended.stderr.count("\n") == 1,
+              f"check-same-verdicts says in a line: {told}", ended.stderr)
+
+
 def main():
     if not judged.is_possible(build.Toolchain("."), "normals"):
         check(False, "there are judges", "make judges-ready")
@@ -416,6 +427,7 @@ def main():
         a_judge_speculates_until_an_answer_is_another_one(grader)
         its_cost_is_measured()
         claims_of_a_step_share_a_process(grader)
+        what_cannot_be_compared_is_told()
         units_without_functions_earn_nothing(grader)
         right_units_pass_apart(grader)
         starters_and_mistakes_get_the_same_verdicts(grader)

@@ -6,7 +6,6 @@ MPIRUN is the program that configure found, or empty."""
 import os
 import re
 import signal
-import struct
 import subprocess
 import sys
 import tempfile
@@ -14,7 +13,9 @@ import time
 
 SOURCE = os.path.abspath(os.environ.get("srcdir", "."))
 sys.dont_write_bytecode = True
+sys.path.insert(0, os.path.join(SOURCE, "tools"))
 
+from png import filtered_rows, size_of  # noqa: E402
 from tap import check, finish, start, write  # noqa: E402
 
 MPIRUN = os.environ.get("MPIRUN", "")
@@ -58,14 +59,8 @@ def pictures(folder):
     """Of each picture what its pixels follow from; texts in it tell the time."""
     found = {}
     for name in sorted(os.listdir(os.path.join(folder, "figures"))):
-        with open(os.path.join(folder, "figures", name), "rb") as file:
-            data = file.read()
-        at, kept = 8, b""
-        while at < len(data):
-            length, kind = struct.unpack(">I4s", data[at:at + 8])
-            kept += data[at + 8:at + 8 + length] if kind in (b"IHDR", b"IDAT") else b""
-            at += 12 + length
-        found[name] = kept
+        path = os.path.join(folder, "figures", name)
+        found[name] = size_of(path), filtered_rows(path)
     return found
 
 

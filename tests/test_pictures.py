@@ -6,11 +6,9 @@ import os
 import re
 import shlex
 import shutil
-import struct
 import subprocess
 import sys
 import tempfile
-import zlib
 
 SOURCE = os.path.abspath(os.environ.get("srcdir", "."))
 sys.dont_write_bytecode = True
@@ -22,6 +20,7 @@ from drivers import driver_of, link_drivers  # noqa: E402
 from grading.assignments import ToolError, read_features, read_looks  # noqa: E402
 from grading.build import Toolchain  # noqa: E402
 from grading.starters import solved_until  # noqa: E402
+from png import filtered_rows, size_of  # noqa: E402
 from tap import check, finish, read, run, start, write  # noqa: E402
 from workbook import make_workbook  # noqa: E402
 
@@ -34,17 +33,8 @@ SIZE = ["--width", "96", "--height", "96"]
 
 def greys(path):
     """Returns the brightness, 0 to 255, of each pixel of a PNG file as the drivers write it: 8 bits, RGB."""
-    with open(path, "rb") as file:
-        data = file.read()
-    at, pixels = 8, b""
-    while at < len(data):
-        length, kind = struct.unpack(">I4s", data[at : at + 8])
-        if kind == b"IHDR":
-            width, height = struct.unpack(">II", data[at + 8 : at + 16])
-        if kind == b"IDAT":
-            pixels += data[at + 8 : at + 8 + length]
-        at += 12 + length
-    lines, before, found = zlib.decompress(pixels), bytes(3 * width), []
+    (width, height), lines = size_of(path), filtered_rows(path)
+    before, found = bytes(3 * width), []
     for y in range(height):
         line = _unfiltered(lines[y * (3 * width + 1) :][: 3 * width + 1], before)
         found += [sum(line[x : x + 3]) // 3 for x in range(0, len(line), 3)]

@@ -16,6 +16,7 @@ import tempfile
 
 from test_judge import APART, FEATURES, SOURCE, Grader, grade, text_of
 from grading import sandbox
+from grading.assignments import ToolError, choose
 from grading.mutants import mutate, read_mutants
 from tap import check, finish, start
 
@@ -40,10 +41,14 @@ def main():
     text = os.environ.get("RAYKIT_EVERY") or "1"
     if not re.fullmatch(r"[1-9][0-9]{0,5}", text):
         sys.exit(f"EVERY={text}: give a whole number from 1 on")
-    every = int(text)
+    every, stems = int(text), os.environ.get("RAYKIT_STEMS", "").split()
+    try:
+        choose(FEATURES, stems)
+    except ToolError as error:
+        sys.exit(str(error))
     sandbox.prepare()
     with tempfile.TemporaryDirectory(prefix="raykit-same-") as folder:
-        for stem in os.environ.get("RAYKIT_STEMS", "").split() or APART:
+        for stem in stems or APART:
             path = os.path.join(SOURCE, "tests", "mutants", stem + ".mutants")
             mutants = read_mutants(path, os.path.relpath(path, SOURCE))[::every]
             differ = [line for mutant in mutants for line in _differences(stem, mutant, Grader(folder))]

@@ -12,7 +12,6 @@ import signal
 import subprocess
 import sys
 import tempfile
-import zlib
 from unittest import mock
 
 SOURCE = os.path.abspath(os.environ.get("srcdir", "."))
@@ -21,6 +20,7 @@ sys.path.insert(0, os.path.join(SOURCE, "tools"))
 
 from grading import parallel_jobs  # noqa: E402
 from grading.assignments import ToolError, read_features  # noqa: E402
+from png import filtered_rows, size_of  # noqa: E402
 from sweeping import values  # noqa: E402
 from sweeping.picture import texts_of  # noqa: E402
 from tap import check, finish, read, run, start, wait, write  # noqa: E402
@@ -57,15 +57,7 @@ def rows_of(out):
 
 def pixels(path):
     """Returns size and pixels of a PNG file, without its texts, which say how long it took."""
-    with open(path, "rb") as file:
-        png = file.read()
-    at, kept = 8, []
-    while at < len(png):
-        length = int.from_bytes(png[at:at + 4], "big")
-        if png[at + 4:at + 8] in (b"IHDR", b"IDAT"):
-            kept.append(png[at + 8:at + 8 + length])
-        at += 12 + length
-    return kept[0], zlib.decompress(b"".join(kept[1:]))
+    return size_of(path), filtered_rows(path)
 
 
 def pictures(out):

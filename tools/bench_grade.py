@@ -16,7 +16,7 @@ from grading import build
 from grading import isolate
 from grading import judged
 from grading import sandbox
-from grading.assignments import ToolError, choose, read_features
+from grading.assignments import ToolError, choose, read_features, run_command
 import grade
 
 
@@ -45,7 +45,16 @@ def _line(name, seconds):
     return f"{name:20} {seconds[0]:8.2f} {seconds[1]:14.2f} {seconds[0] / seconds[1]:7.2f}"
 
 
-def _measure(features, chosen, folder, rounds):
+def _measure(folder, stems, rounds):
+    if rounds < 1:
+        raise ToolError(f"ROUNDS={rounds}: choose 1 or more")
+    sandbox.prepare()
+    toolchain = build.Toolchain(folder)
+    features = read_features(toolchain.source)
+    chosen = choose(features, stems)
+    missing = [feature.stem for feature in chosen if not judged.is_possible(toolchain, feature.stem)]
+    if missing:
+        raise ToolError(f"{missing[0]} has no judge in this build; run make bench-grade, which makes it")
     print(f"{'feature':20} {'apart, s':>8} {'one process, s':>14} {'ratio':>7}", flush=True)
     sums = [0, 0]
     for feature in chosen:
@@ -64,24 +73,7 @@ def main():
     parser.add_argument("--rounds", type=int, default=5, metavar="N", help="times each (default: 5)")
     arguments = parser.parse_args()
     grade.stop_on_signals()
-    try:
-        if arguments.rounds < 1:
-            raise ToolError(f"ROUNDS={arguments.rounds}: choose 1 or more")
-        sandbox.prepare()
-        toolchain = build.Toolchain(arguments.build)
-        features = read_features(toolchain.source)
-        chosen = choose(features, arguments.stems)
-        missing = [feature.stem for feature in chosen if not judged.is_possible(toolchain, feature.stem)]
-        if missing:
-            raise ToolError(f"{missing[0]} has no judge in this build; run make bench-grade, which makes it")
-        _measure(features, chosen, arguments.build, arguments.rounds)
-    except ToolError as error:
-        print(f"bench-grade: {error}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print("bench-grade: stopped", file=sys.stderr)
-        return 130
-    return 0
+    return run_command("bench-grade", lambda: _measure(arguments.build, arguments.stems, arguments.rounds), 2)
 
 
 if __name__ == "__main__":

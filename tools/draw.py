@@ -22,6 +22,7 @@ from grading.assignments import Parser, ToolError, choose, find_unit, read_featu
 from grading.processor_time import limited
 from grading.results import command_of
 from grading.starters import unsolved_steps
+from png import SIGNATURE, chunk, chunks_of
 
 SIDE = 128  # of a square picture; others are as large
 SECONDS = 120  # of processor time, four times what the slowest picture takes on an old laptop
@@ -146,19 +147,15 @@ def draw(toolchain, impl, stem, step):
 def packed(png):
     """Returns a PNG file compressed as far as zlib can, and without texts, such as the time that drawing
     took: drawn again, it is the same."""
-    kept, pixels, at = png[:8], b"", 8
-    while at < len(png):
-        end = at + 12 + int.from_bytes(png[at : at + 4], "big")
-        kind = png[at + 4 : at + 8]
+    kept, pixels = SIGNATURE, b""
+    for kind, content in chunks_of(png):
         if kind == b"IDAT":
-            pixels += png[at + 8 : end - 4]
-        elif kind == b"IEND":
-            data = b"IDAT" + zlib.compress(zlib.decompress(pixels), 9)
-            kept += (len(data) - 4).to_bytes(4, "big") + data + zlib.crc32(data).to_bytes(4,
-                                                                                          "big") + png[at:end]
-        elif kind not in (b"tEXt", b"iTXt", b"zTXt"):
-            kept += png[at:end]
-        at = end
+            pixels += content
+            continue
+        if kind == b"IEND":
+            kept += chunk(b"IDAT", zlib.compress(zlib.decompress(pixels), 9))
+        if kind not in (b"tEXt", b"iTXt", b"zTXt"):
+            kept += chunk(kind, content)
     return kept
 
 

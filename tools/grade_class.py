@@ -24,8 +24,8 @@ from grading import results
 from grading import sandbox
 from grading import verdict_files
 from grading.assignments import (
-    MachineError, Parser, ToolError, cannot_write, choose, choose_format, is_archive, is_machines_fault,
-    is_misnamed_c, read_features, read_points,
+    MachineError, Parser, ToolError, cannot_write, choose, choose_format, is_archive, is_misnamed_c,
+    read_features, read_points, run_command,
 )
 from grading.class_table import Table
 from grading.collect_write import LIST, RECORD, TABLE
@@ -242,6 +242,7 @@ def grade_class(arguments):
     submissions, out = arguments.submissions, arguments.out
     check_seed()
     results.check_visibility()
+    choose_format(arguments.format, ENDINGS)
     toolchain = build.Toolchain(arguments.build)
     all_features = read_features(toolchain.source)
     features = choose(all_features, arguments.stems)
@@ -304,18 +305,8 @@ def main():
     arguments = parser.parse_args()
     sys.stdout.reconfigure(errors="backslashreplace")  # names of files can be any bytes
     stop_on_signals()
-    try:
-        choose_format(arguments.format, ENDINGS)
-        return grade_class(arguments)
-    except (ToolError, OSError) as error:
-        said = str(error) if isinstance(error, ToolError) else (
-            f"{error.filename or 'the system'}: {error.strerror or error}")
-        print(f"grade-class: {said}", file=sys.stderr)
-        return ELSEWHERE if is_machines_fault(error) else 2
-    except KeyboardInterrupt:
-        print("grade-class: stopped; what is finished is in the results, and the same command goes on",
-              file=sys.stderr)
-        return 130
+    return run_command("grade-class", lambda: grade_class(arguments), 2,
+                       "; what is finished is in the results, and the same command goes on", ELSEWHERE)
 
 
 if __name__ == "__main__":

@@ -12,7 +12,6 @@ import os
 import re
 import shutil
 import signal
-import struct
 import subprocess
 import sys
 import tarfile
@@ -28,6 +27,7 @@ from grading.originals import keep_originals
 from grading.starters import handed_out_of, left_open_of, starter_of
 from grading.results import write_whole
 from grading.workbook_files import workbook_files
+from png import size_of
 
 
 # What checks the workbook on git hosts, and where these look for it.
@@ -208,8 +208,7 @@ def _at_the_size_of(source, picture, command):
     """Returns the command that draws the picture as large as it is shown: some options count pixels."""
     if "--width" in command:
         return command
-    with open(os.path.join(source, "docs", "pictures", f"{picture}.png"), "rb") as file:
-        width, height = struct.unpack(">II", file.read(24)[16:])
+    width, height = size_of(os.path.join(source, "docs", "pictures", f"{picture}.png"))
     return f"{command} --width {width} --height {height}"
 
 

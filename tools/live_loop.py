@@ -9,7 +9,6 @@ import http.server
 import json
 import mimetypes
 import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -21,9 +20,9 @@ import hint
 from draw import SIDE, choose_look, small
 from drivers import driver_of, private_folder
 from grade import require_units, stop_on_signals
-from grading.assignments import Parser, ToolError, cause_of, choose, read_features, read_looks, read_points
+from grading.assignments import Parser, choose, read_features, read_looks, read_points, run_loop
 from grading.build import Toolchain
-from grading.private_copy import make_folder
+from grading.private_copy import own_folder
 from grading.processor_time import limited
 from handout_text import handout_of, task_of
 from watch import Check, changed_at, claims_in, command_of_tool, late_line, state
@@ -431,29 +430,20 @@ def main():
                         help="of the handout; the first that is not done for none")
     arguments = parser.parse_args()
     stop_on_signals()
-    kept, build = make_folder(), os.path.abspath(arguments.build)
-    try:
+
+    def work():
         toolchain = Toolchain(arguments.build)
         feature = choose(read_features(toolchain.source), [arguments.stem])[0]
         require_units(arguments.build, [arguments.stem], arguments.impl)
-        with private_folder(toolchain) as folder:
+        with own_folder() as kept, private_folder(toolchain) as folder:
             loop = Loop(toolchain, feature, arguments.impl, arguments.step, folder)
             server = Server()
             server.show(loop)
             print(f"open {server.url} in a browser of this machine, and edit {arguments.impl}; "
                   "Ctrl-C ends", flush=True)
             loop.run(grader_of(arguments.stem, arguments.build, arguments.impl, kept), kept)
-    except ToolError as error:
-        print(f"live: {error}", file=sys.stderr)
-        return 1
-    except OSError as error:
-        print(f"live: {cause_of(error, build)}", file=sys.stderr)
-        return 1
-    except KeyboardInterrupt:
-        print()
-    finally:
-        shutil.rmtree(kept, ignore_errors=True)
-    return 0
+
+    return run_loop("live", os.path.abspath(arguments.build), work)
 
 
 if __name__ == "__main__":

@@ -10,7 +10,7 @@ import re
 import subprocess
 import sys
 
-from grading.assignments import Parser, ToolError, read_features
+from grading.assignments import Parser, ToolError, read_features, run_command
 from grading.results import write_whole
 
 # C's, and what standard headers make of C17's.
@@ -156,18 +156,8 @@ def main():
     parser.add_argument("--source", required=True, metavar="DIR", help="raykit's source folder")
     parser.add_argument("stem", metavar="NAME", help="the feature's name")
     arguments = parser.parse_args()
-    try:
-        print("\n".join(make_feature(arguments.source, arguments.stem)))
-    except ToolError as error:
-        print(f"new-feature: {error}", file=sys.stderr)
-        return 1
-    except OSError as error:
-        print(f"new-feature: {error.filename or 'the system'}: {error.strerror}", file=sys.stderr)
-        return 1
-    except KeyboardInterrupt:
-        print("new-feature: stopped; nothing was written", file=sys.stderr)
-        return 130
-    return 0
+    return run_command("new-feature", lambda: print("\n".join(
+        make_feature(arguments.source, arguments.stem))), kept="; nothing was written")
 
 
 if __name__ == "__main__":

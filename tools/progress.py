@@ -12,7 +12,7 @@ import sys
 import grade
 from grading import results
 from grading.assignments import (
-    Parser, ToolError, UnitError, choose, find_unit, read_features, submitted_unit, unit_beside,
+    Parser, UnitError, choose, find_unit, read_features, run_command, submitted_unit, unit_beside,
     units_of_suite,
 )
 from grading.build import Toolchain
@@ -112,6 +112,14 @@ def hand_in(units):
     return f"hand in {named}, nothing else"
 
 
+def _show(arguments):
+    show = grade.show_progress if sys.stderr.isatty() else grade.tell_progress
+    suites, _ = progress_of(arguments.build, arguments.stems, arguments.impl, show)
+    results.write(suites, "table", arguments.impl)
+    if all(suite.passed() and not suite.unit.is_reference for suite in suites):
+        print(hand_in([find_unit(suite.feature, arguments.impl) for suite in suites]))
+
+
 def main():
     parser = Parser(description=__doc__.split("\n\n")[0])
     parser.add_argument("stems", nargs="*", metavar="STEM", help="features; default: all")
@@ -119,22 +127,7 @@ def main():
     parser.add_argument("--build", default=".", metavar="DIR")
     arguments = parser.parse_args()
     grade.stop_on_signals()
-    try:
-        show = grade.show_progress if sys.stderr.isatty() else grade.tell_progress
-        suites, _ = progress_of(arguments.build, arguments.stems, arguments.impl, show)
-        results.write(suites, "table", arguments.impl)
-        if all(suite.passed() and not suite.unit.is_reference for suite in suites):
-            print(hand_in([find_unit(suite.feature, arguments.impl) for suite in suites]))
-    except ToolError as error:
-        print(f"progress: {error}", file=sys.stderr)
-        return 2
-    except OSError as error:
-        print(f"progress: {error.filename or 'the system'}: {error.strerror}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print("progress: stopped", file=sys.stderr)
-        return 130
-    return 0
+    return run_command("progress", lambda: _show(arguments), 2)
 
 
 if __name__ == "__main__":

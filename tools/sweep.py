@@ -19,7 +19,7 @@ import sys
 from drivers import made_driver, private_folder
 from grading import build, parallel_jobs
 from grading.assignments import (
-    Parser, ToolError, cannot_write, is_machines_fault, read_features)
+    Parser, ToolError, cannot_write, read_features, run_command)
 from grading.results import printable
 from grading.temporary_folder import remove_left, temporary_folder
 from sweeping import film
@@ -271,16 +271,8 @@ def main():
     sys.stdout.reconfigure(errors="backslashreplace")  # names of files can be any bytes
     sys.stderr.reconfigure(errors="backslashreplace")
     parallel_jobs.stop_on_signals()
-    try:
-        return _work(arguments)
-    except (ToolError, OSError) as error:
-        said = str(error) if isinstance(error, ToolError) else (
-            f"{error.filename or 'the system'}: {error.strerror or error}")
-        print(f"sweep: {said}", file=sys.stderr)
-        return _ELSEWHERE if is_machines_fault(error) else 2
-    except KeyboardInterrupt:
-        print("sweep: stopped; what is finished stays, and the same command goes on", file=sys.stderr)
-        return 130
+    return run_command("sweep", lambda: _work(arguments), 2,
+                       "; what is finished stays, and the same command goes on", _ELSEWHERE)
 
 
 if __name__ == "__main__":

@@ -14,9 +14,9 @@ import sys
 import tempfile
 import time
 
-from grading.assignments import Parser, ToolError, cause_of, choose, read_features
+from grading.assignments import Parser, choose, read_features, run_loop
 from grading.build import Toolchain
-from grading.private_copy import make_folder
+from grading.private_copy import own_folder
 from grade import prepare_suites, require_units, stop_on_signals
 
 _LOOK_SECONDS = 0.15  # between looks at the files: soon enough, and no load
@@ -161,26 +161,17 @@ def main():
     arguments = parser.parse_args()
     stop_on_signals()
     cache = f"pycache_prefix={os.path.join(arguments.build, 'impl', 'python')}"
-    kept, build = make_folder(), os.path.abspath(arguments.build)
     command = [*command_of_tool("grade", "-X", cache), arguments.stem, "--build", arguments.build,
-               "--impl", arguments.impl, "--own", "--kept", kept,
-               *(["--test", arguments.test] if arguments.test else [])]
-    try:
+               "--impl", arguments.impl, "--own", *(["--test", arguments.test] if arguments.test else [])]
+
+    def work():
         features = read_features(Toolchain(arguments.build).source)
         require_units(arguments.build, [arguments.stem], arguments.impl)
         prepare_suites(features, choose(features, [arguments.stem]), arguments.impl, True, arguments.test)
-        watch(command, arguments.impl, os.path.join(kept, "claims"))
-    except ToolError as error:
-        print(f"watch: {error}", file=sys.stderr)
-        return 1
-    except OSError as error:
-        print(f"watch: {cause_of(error, build)}", file=sys.stderr)
-        return 1
-    except KeyboardInterrupt:
-        print()
-    finally:
-        shutil.rmtree(kept, ignore_errors=True)
-    return 0
+        with own_folder() as kept:
+            watch([*command, "--kept", kept], arguments.impl, os.path.join(kept, "claims"))
+
+    return run_loop("watch", os.path.abspath(arguments.build), work)
 
 
 if __name__ == "__main__":

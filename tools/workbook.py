@@ -10,7 +10,7 @@ import os
 import shlex
 import sys
 
-from grading.assignments import Parser, ToolError, cannot_write, choose, read_features
+from grading.assignments import Parser, ToolError, cannot_write, choose, read_features, run_command
 from handout_text import as_in_workbook, handout_of
 from grading.originals import has_originals
 from grading.starters import starter_of
@@ -145,15 +145,8 @@ def main():
     parser.add_argument("folder", metavar="DIR", help="the workbook")
     parser.add_argument("stems", nargs="*", metavar="STEM", help="features; default: all")
     arguments = parser.parse_args()
-    try:
-        print("\n".join(make_workbook(arguments.source, arguments.folder, arguments.stems)))
-    except ToolError as error:
-        print(f"workbook: {error}", file=sys.stderr)
-        return 1
-    except OSError as error:
-        print(f"workbook: {error.filename or 'the system'}: {error.strerror}", file=sys.stderr)
-        return 1
-    return 0
+    return run_command("workbook", lambda: print("\n".join(
+        make_workbook(arguments.source, arguments.folder, arguments.stems))))
 
 
 if __name__ == "__main__":

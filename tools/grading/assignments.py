@@ -71,20 +71,19 @@ class Parser(argparse.ArgumentParser):
         self.exit(2, f"{name}: {message}; see --help\n")
 
 
-def run_command(name, work, status=1, kept=""):
-    """Does a command's work and returns its exit status. An error is said in one line, and so is Ctrl-C, with
-    what is kept of the work."""
+def run_command(name, work, status=1, kept="", elsewhere=None):
+    """Does a command's work and returns its exit status, `elsewhere`, if that is given, where this machine is
+    to blame. An error is said in one line, and so is Ctrl-C, with what is kept of the work."""
     try:
         return int(work() or 0)
-    except ToolError as error:
-        print(f"{name}: {error}", file=sys.stderr)
-        return status
-    except subprocess.CalledProcessError as error:
-        print(f"{name}: {shlex.join(map(str, error.cmd[:1]))} failed; its reason is above", file=sys.stderr)
-        return status
-    except OSError as error:
-        print(f"{name}: {error.filename or 'the system'}: {error.strerror or error}", file=sys.stderr)
-        return status
+    except (ToolError, OSError, subprocess.CalledProcessError) as error:
+        said = error
+        if isinstance(error, subprocess.CalledProcessError):
+            said = f"{shlex.join(map(str, error.cmd[:1]))} failed; its reason is above"
+        elif isinstance(error, OSError):
+            said = f"{error.filename or 'the system'}: {error.strerror or error}"
+        print(f"{name}: {said}", file=sys.stderr)
+        return elsewhere if elsewhere is not None and is_machines_fault(error) else status
     except KeyboardInterrupt:
         print(f"{name}: stopped{kept}", file=sys.stderr)
         return 130
@@ -150,6 +149,18 @@ def cause_of(error, build):
     if not os.path.isdir(build):
         return "this folder was moved or removed; run the same command in the new place"
     return f"{error.filename or 'the system'}: {error.strerror}"
+
+
+def run_loop(name, build, work):
+    """As run_command, for work that goes on until Ctrl-C."""
+    try:
+        work()
+    except (ToolError, OSError) as error:
+        print(f"{name}: {cause_of(error, build) if isinstance(error, OSError) else error}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        print()
+    return 0
 
 
 def read_table(path, columns):

@@ -29,8 +29,8 @@ def make_folder():
 
 
 @contextlib.contextmanager
-def _folder():
-    """Gives a folder of make_folder."""
+def own_folder():
+    """Gives a folder of make_folder, and removes it in the end."""
     made = make_folder()
     try:
         yield made
@@ -120,7 +120,7 @@ def borrowed(folder, toolchain, features, stems, place=None):
     if folder:
         yield folder
         return
-    with temporary_folder(".kit-", place) if place else _folder() as made:
+    with temporary_folder(".kit-", place) if place else own_folder() as made:
         copy_kit(toolchain, features, stems or list(features), made)
         yield made
 

@@ -7,7 +7,7 @@ import subprocess
 
 from grading.assignments import ToolError
 from grading.temporary_folder import temporary_folder
-from sweeping.picture import size_of
+from png import size_of
 
 NAME = "sweep.mp4"
 
