@@ -588,6 +588,9 @@ END
     [ "$(calls)" = 2 ] && [ "$(calls)" = 0 ] && [ "$(calls no)" = 0 ] && grep -q 't = 1' "$pages/pixel.html"
     verdict what_was_drawn_is_not_drawn_again_by_any_edition
 
+    grep -q '^book: nothing is to be drawn; making the pages' "$folder/said1" && grep -q '^book: writing the pages' "$folder/said1"
+    verdict what_then_takes_long_is_said
+
     wants --one --three
     [ "$(calls)" = 1 ] && grep -q -- --three "$folder/calls"
     verdict other_arguments_are_drawn

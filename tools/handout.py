@@ -354,6 +354,7 @@ def make_handout(source, stems, out="", folder="", book=True, later="", title=""
         _tell("looking for lines of the solutions")
         proof = prove(source, pack, features, [*chosen, *left_open])
         keep_originals(pack)
+        _tell("making configure, so that students need no autotools")
         _configurable(pack)
         if not folder:
             _tell("packing")

@@ -446,7 +446,7 @@ function drive.draw()
   if #alone > 0 or #by_turns > 0 then drive.say("measuring times, one command after the other") end
   if #alone > 0 then run_jobs(alone, 1, progress) end
   for _, jobs in ipairs(by_turns) do measure_by_turns(jobs, progress) end
-  if count > 0 then drive.say("all is drawn; making the pages") end
+  drive.say("%s; making the pages", count > 0 and "all is drawn" or "nothing is to be drawn")
 end
 
 -- One configuration's times: those measured by turns, or of one run.

@@ -242,6 +242,7 @@ local function fill_index(doc, chapters)
 end
 
 function pages.write(doc)
+  drive.say("writing the pages")
   local chapters, folder = chapters_of(doc), drive.out .. "/" .. drive.page
   if drive.page == "report" then
     chapters = {{id = "", title = "", blocks = doc.blocks, sections = {}, all = chapters}}
