@@ -292,7 +292,7 @@ static void points_stay_in_the_disk(void **state)
 static void points_fill_cells_of_the_disk_evenly(void **state)
 {
     (void)state;
-    enum { side = 16, cells = side * side, points = 256 * 1000 };
+    enum { side = 16, cells = side * side, points = 256 * 250 };
     for (int m = 0; m < 2; m++) {
         static uint32_t counts[cells];
         memset(counts, 0, sizeof counts);
@@ -320,21 +320,19 @@ static void points_fill_cells_of_the_disk_evenly(void **state)
     }
 }
 
-static int compare_doubles(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-/* Kolmogorov's statistic: the largest distance of a distribution from the uniform one on [0, 1]. */
-static double distance_from_uniform(double *numbers, size_t count)
+/* Kolmogorov's statistic: the largest distance of a distribution from the uniform one on [0, 1], at
+ * multiples of 1/count; elsewhere it is at most 1/count more. */
+static double distance_from_uniform(const double *numbers, uint32_t count, uint32_t *in_part)
 {
     double most = 0;
-    qsort(numbers, count, sizeof *numbers, compare_doubles);
-    for (size_t i = 0; i < count; i++)
-        most = fmax(most, fmax(numbers[i] - (double)i / (double)count,
-                               (double)(i + 1) / (double)count - numbers[i]));
-    return most;
+    memset(in_part, 0, count * sizeof *in_part);
+    for (uint32_t i = 0; i < count; i++)
+        in_part[(uint32_t)fmin(fmax(numbers[i] * count, 0), count - 1)]++;
+    for (uint32_t i = 0, below = 0; i < count; i++) {
+        below += in_part[i];
+        most = fmax(most, fabs((double)below - (i + 1)));
+    }
+    return most / count;
 }
 
 static void radius_squared_and_angle_are_uniform(void **state)
@@ -342,6 +340,7 @@ static void radius_squared_and_angle_are_uniform(void **state)
     (void)state;
     enum { points = 100000 };
     static double areas[points], turns[points];
+    static uint32_t in_part[points];
     for (int m = 0; m < 2; m++) {
         for (uint32_t i = 0; i < points; i++) {
             rk_vec2 p = rk_disk_at(maps[m], noise2(10 + (uint32_t)m, i));
@@ -350,11 +349,11 @@ static void radius_squared_and_angle_are_uniform(void **state)
         }
         /* Exceeded once in a million times: 2 exp(-2 n d^2) = 1e-6 for d = 2.69 / sqrt(n). */
         double most = 2.69 / sqrt(points);
-        rk_check_near(distance_from_uniform(areas, points), 0, most,
+        rk_check_near(distance_from_uniform(areas, points, in_part), 0, most,
                       "%s map: largest gap between the distribution of the radius squared, the "
                       "fraction of the area inside, and the uniform one",
                       map_names[m]);
-        rk_check_near(distance_from_uniform(turns, points), 0, most,
+        rk_check_near(distance_from_uniform(turns, points, in_part), 0, most,
                       "%s map: largest gap between the distribution of the angle and the uniform "
                       "one",
                       map_names[m]);
@@ -520,7 +519,7 @@ static void no_direction_leads_into_the_surface(void **state)
 {
     (void)state;
     uint32_t kept = 0, discarded = 0;
-    for (uint32_t i = 0; i < 200000; i++) {
+    for (uint32_t i = 0; i < 50000; i++) {
         /* From a grazing direction to a steep one. */
         double degrees = 90 * pow((double)noise(26, i, 0), 3);
         setting s = setting_at(degrees, i);
@@ -537,7 +536,7 @@ static void no_direction_leads_into_the_surface(void **state)
         kept += above;
         discarded += !above;
     }
-    rk_check(kept > 20000 && discarded > 20000, "kept %u, discarded %u: both should happen", kept,
+    rk_check(kept > 5000 && discarded > 5000, "kept %u, discarded %u: both should happen", kept,
              discarded);
 }
 
@@ -605,9 +604,9 @@ typedef struct integral {
 
 /* In double, with other axes: for each angle the radii above the surface are known exactly, and
  * Simpson's rule does the rest. */
-static integral integrate(const setting *s, double radius)
+static integral integrate(const setting *s, double radius, int angles, bool with_radiance)
 {
-    enum { angles = 16384, steps = 8 };
+    enum { steps = 8 };
     rk_dvec3 w = rk_widen(s->reflected), n = rk_widen(s->face_normal);
     rk_dvec3 other = fabs(w.x) < 0.5 ? (rk_dvec3){1, 0, 0} : (rk_dvec3){0, 1, 0};
     rk_dvec3 u = rk_dcross(w, other);
@@ -621,7 +620,7 @@ static integral integrate(const setting *s, double radius)
         if (rk_ddot(n, w) + slope < 0)
             end = -rk_ddot(n, w) / slope;
         sum.fraction += end * end;
-        for (int k = 0; k <= steps; k++) {
+        for (int k = 0; k <= steps && with_radiance; k++) {
             double r = end * k / steps, weight = k % steps == 0 ? 1 : k % 2 ? 4 : 2;
             rk_dvec3 d = rk_dmadd(w, out, radius * r);
             sum.radiance +=
@@ -799,7 +798,7 @@ static void the_fraction_above_equals_quadrature(void **state)
                        before = disk;
         /* Roundings of 2^-24, which are divided by the radius near the surface; and the kink where
          * the plane cuts the rim, between two of 16384 angles. */
-        rk_check_near(rk_glossy_fraction_above(&disk), integrate(&s, radius).fraction,
+        rk_check_near(rk_glossy_fraction_above(&disk), integrate(&s, radius, 16384, false).fraction,
                       8 * 0x1p-24 / radius + 2e-6,
                       "fraction above, for a disk of radius %g, %.3g degrees above the surface: "
                       "the disk without its segment",
@@ -945,7 +944,7 @@ static bool check_area_fits(const part *p, rk_vec2 from)
 static double height_of_area(double area)
 {
     double low = -1, high = 1;
-    for (int i = 0; i < 60; i++) {
+    for (int i = 0; i < 32; i++) { /* to 5e-10 */
         double middle = (low + high) / 2;
         if (area_beyond(middle) > area)
             low = middle;
@@ -1048,7 +1047,7 @@ static void moved_points_are_in_the_disk_and_above_the_surface(void **state)
 {
     (void)state;
     uint32_t cut = 0, along = 0;
-    for (uint32_t i = 0; i < 200000; i++) {
+    for (uint32_t i = 0; i < 100000; i++) {
         setting s = setting_at(90 * pow((double)noise(43, i, 0), 3), i);
         part p = part_of(&s, noise(43, i, 1));
         rk_vec2 from = rk_disk_at(maps[i % 2], noise2(44, i));
@@ -1076,9 +1075,9 @@ static void moved_points_are_in_the_disk_and_above_the_surface(void **state)
         cut += p.line > -1;
         along += !above && i % 4;
     }
-    rk_check(cut > 20000, "only %u disks are cut by the face", cut);
+    rk_check(cut > 10000, "only %u disks are cut by the face", cut);
     /* Apart from a few so near the line that rounding takes them to the other side. */
-    rk_check(along <= 5, "%u of 150000 moved points lead into the surface", along);
+    rk_check(along <= 2, "%u of 75000 moved points lead into the surface", along);
 }
 
 static void a_disk_above_the_surface_keeps_its_points(void **state)
@@ -1100,7 +1099,7 @@ static void a_disk_above_the_surface_keeps_its_points(void **state)
 static void moved_points_fill_the_part_above_evenly(void **state)
 {
     (void)state;
-    enum { side = 16, cells = side * side, points = 256 * 300 };
+    enum { side = 16, cells = side * side, points = 256 * 200 };
     const double degrees[] = {0.5, 10, 20};
     for (uint32_t k = 0; k < 3; k++) {
         static uint32_t counts[cells];
@@ -1110,7 +1109,9 @@ static void moved_points_fill_the_part_above_evenly(void **state)
         for (uint32_t i = 0; i < points; i++) {
             rk_dvec3 to = seen_upright(&p, moved(&p, rk_disk_at(maps[k % 2], noise2(48 + k, i))));
             double up = fmin(fmax(to.x, p.line), 1);
-            double strip = area_beyond(up) / p.fraction * side;
+            /* area_beyond(up), but for the last digits near the top, in a few steps. */
+            double beyond = (acos(up) - up * sqrt(1 - up * up)) / pi;
+            double strip = beyond / p.fraction * side;
             double place = (to.y / sqrt(1 - up * up) + 1) / 2 * side;
             counts[(int)fmin(strip, side - 1) * side + (int)fmin(fmax(place, 0), side - 1)]++;
         }
@@ -1141,7 +1142,7 @@ typedef struct estimates {
 static estimates estimate(const part *p, rk_glossy_weights weights, rk_sampler_kind kind,
                           rk_disk_map map, uint32_t samples)
 {
-    const uint32_t pixels = 20000 / samples;
+    const uint32_t pixels = 8000 / samples;
     const rk_sampler sampler = {kind, 5, samples, 0};
     double sum = 0, squares = 0;
     for (uint32_t pixel = 0; pixel < pixels; pixel++) {
@@ -1167,7 +1168,8 @@ static void check_unbiased(rk_glossy_weights weights)
     for (uint32_t i = 0; i < 60; i++) {
         setting s = setting_at(degrees[i % 4], i);
         part p = part_of(&s, 0.6f);
-        integral whole = integrate(&s, 0.6);
+        /* The kink at the rim costs up to 4e-6. */
+        integral whole = integrate(&s, 0.6, 4096, true);
         double want =
             weights == RK_GLOSSY_CLASSIC ? whole.radiance : whole.radiance / whole.fraction;
         rk_sampler_kind kind = (rk_sampler_kind)(i % 3);

@@ -157,13 +157,13 @@ def starters_and_mistakes_get_the_same_verdicts(grader):
 
 
 def a_judge_speculates_until_an_answer_is_another_one(grader):
-    """A claim with 1,769,472 calls in some 15 laps, of which the first 200 are made one by one."""
+    """A claim with 884,736 calls in some 8 laps, of which the first 200 are made one by one."""
     claim, text = "normalized_highlights_never_reflect_more_light_than_arrives", text_of("shading")
     begin = re.search(r"rk_vec3 rk_shade\([^)]*\)\n\{\n", text)[0]
     names = ", ".join(re.findall(r"(\w+)(?=[,)])", begin))
     text = text.replace(begin, "static " + begin.replace("rk_shade", "shade"))
     for nth, what in ((100, "before"), (1000, "in the first lap of"), (123456, "in the second lap of"),
-                      (1769472, "at the end of")):
+                      (884736, "at the end of")):
         for change, passes in (("colour.x = NAN", False), ("colour.x = nextafterf(colour.x, 2)", True)):
             unit = (f"{text}\nstatic int calls;\n{begin}    rk_vec3 colour = shade({names});\n"
                     f"    if (++calls == {nth})\n        {change};\n    return colour;\n}}\n")

@@ -832,7 +832,7 @@ static void a_ray_that_misses_the_swept_box_never_hits_the_object(void **state)
 {
     (void)state;
     uint32_t hits = 0, missed = 0;
-    for (uint32_t i = 0; i < 200000; i++) {
+    for (uint32_t i = 0; i < 50000; i++) {
         /* In smaller and larger units, too. */
         float unit = unit_of(i);
         const rk_motion motion = path_in(unit, random_path(i));
@@ -856,7 +856,7 @@ static void a_ray_that_misses_the_swept_box_never_hits_the_object(void **state)
         missed += !may_hit[0];
     }
     rk_check(hits > 1000 && missed > 1000,
-             "of 200000 rays along edges %u enter the box and %u miss the swept box; want more "
+             "of 50000 rays along edges %u enter the box and %u miss the swept box; want more "
              "than 1000 of each: is the swept box too large?",
              hits, missed);
 }
@@ -1157,7 +1157,7 @@ static void a_ray_that_misses_all_swept_leaves_never_hits_a_leaf(void **state)
     (void)state;
     uint32_t hits = 0, missed = 0;
     rk_bvh bvh = empty_tree(4); /* one for all rays: the sanitizer makes allocations slow */
-    for (uint32_t i = 0; i < 200000; i++) {
+    for (uint32_t i = 0; i < 50000; i++) {
         uint32_t tree = i / 64;
         float unit = unit_of(tree);
         const rk_motion motion = path_in(unit, random_path(i));
@@ -1184,7 +1184,7 @@ static void a_ray_that_misses_all_swept_leaves_never_hits_a_leaf(void **state)
     }
     rk_bvh_free(&bvh);
     rk_check(hits > 1000 && missed > 1000,
-             "of 200000 rays along edges of leaves %u enter the leaf and %u miss all leaves; want "
+             "of 50000 rays along edges of leaves %u enter the leaf and %u miss all leaves; want "
              "more than 1000 of each: are boxes below the root enlarged by more than the root's?",
              hits, missed);
 }

@@ -710,7 +710,7 @@ static void the_closed_form_equals_quadrature(void **state)
 {
     (void)state;
     int clipped = 0;
-    for (uint32_t i = 0; i < 150; i++) {
+    for (uint32_t i = 0; i < 300; i++) {
         configuration c =
             random_configuration(i, i % 3 ? RK_LIGHT_PARALLELOGRAM : RK_LIGHT_SEGMENT);
         rk_light light = light_of(&c);
@@ -952,7 +952,7 @@ static void solid_angle_samples_lie_on_the_light_and_have_its_colour(void **stat
 /* Chi-squared: samples in each of 8 x 8 cells of the light, against the cells' solid angles. */
 static void check_uniform_over_directions(const rk_light *light, rk_vec3 point, uint32_t seed)
 {
-    enum { SIDE = 8, SAMPLES = 100000 };
+    enum { SIDE = 8, SAMPLES = 32000 };
     uint32_t counts[SIDE][SIDE] = {0};
     for (uint32_t i = 0; i < SAMPLES; i++) {
         rk_light_sample sample = rk_light_sample_at(
@@ -1004,7 +1004,7 @@ static void solid_angle_samples_are_uniform_over_directions(void **state)
 /* Sets of samples, each of which is drawn on its own: the means of the sets tell the standard error
  * of all, whatever the sampler. In a low-discrepancy set it is a tenth of a stratified set's, and a
  * hundredth of that of independent samples, so these sets find what the others find, and more. */
-enum { SET = 1024, SETS = 64, SETS_UNIFORM = 128 };
+enum { SET = 1024, SETS = 32, SETS_UNIFORM = 96 };
 
 /* Drawn once for all configurations: this does not test the sampler. */
 static rk_vec2 drawn[SETS_UNIFORM * SET];
@@ -1164,14 +1164,14 @@ static void solid_angle_samples_are_unbiased(void **state)
 {
     (void)state;
     check_strata(RK_LIGHT_DOMAIN_SOLID_ANGLE);
-    check_unbiased(RK_LIGHT_DOMAIN_SOLID_ANGLE, RK_SAMPLER_LOW_DISCREPANCY, SETS / 2, 0,
+    check_unbiased(RK_LIGHT_DOMAIN_SOLID_ANGLE, RK_SAMPLER_LOW_DISCREPANCY, SETS, 0,
                    CONFIGURATIONS / 3);
 }
 
 static void solid_angle_samples_are_unbiased_at_the_limits(void **state)
 {
     (void)state;
-    check_unbiased(RK_LIGHT_DOMAIN_SOLID_ANGLE, RK_SAMPLER_LOW_DISCREPANCY, SETS / 2,
+    check_unbiased(RK_LIGHT_DOMAIN_SOLID_ANGLE, RK_SAMPLER_LOW_DISCREPANCY, SETS,
                    CONFIGURATIONS / 3, CONFIGURATIONS);
 }
 
@@ -1240,7 +1240,7 @@ static void no_light_and_no_point_give_nan(void **state)
     /* Whole coordinates make points on the light, in its plane, and edges that are parallel or 0;
      * scales from 1e-15 to 1e15. */
     double lit = 0;
-    for (uint32_t i = 0; i < 200000; i++) {
+    for (uint32_t i = 0; i < 50000; i++) {
         float scale = powf(10, (float)(i % 31) - 15);
         rk_vec3 v[4];
         for (uint32_t k = 0; k < 4; k++) {
@@ -1273,8 +1273,8 @@ static void no_light_and_no_point_give_nan(void **state)
             "light %u: got an irradiance of %g, want a finite one: skip edges without an angle", i,
             (double)irradiance);
     }
-    rk_check(lit > 10000,
-             "only %g of 66666 points were lit by parallelograms: too few for this test", lit);
+    rk_check(lit > 2500,
+             "only %g of 16666 points were lit by parallelograms: too few for this test", lit);
 }
 
 /* --- The ratio estimator --------------------------------------------------------------------- */

@@ -930,7 +930,7 @@ static const double furnace_error = 5e-4;
 
 static double furnace(const rk_shading *shading, double s, double degrees)
 {
-    const int rings = 96, sectors = 64;
+    const int rings = 96, sectors = 32; /* of half a turn */
     rk_vec3 v = direction(degrees, 0);
     rk_dvec3 to_viewer = exact(v), axis = {-to_viewer.x, 0, to_viewer.z};
     if (shading->model != RK_SHADING_PHONG)
@@ -940,7 +940,9 @@ static double furnace(const rk_shading *shading, double s, double degrees)
     for (int ring = 0; ring < rings; ring++) {
         double u = pow((ring + 0.5) / rings, 1 / (s + 1)), across = sqrt(1 - u * u);
         for (int sector = 0; sector < sectors; sector++) {
-            double phi = 2 * pi * (sector + 0.5) / sectors, weight = pow(u, -s);
+            /* Both sides of the viewer's plane reflect the same: each ring is on one. */
+            double phi = pi * (sector + 0.5) / sectors, weight = pow(u, -s);
+            phi = ring % 2 ? -phi : phi;
             rk_dvec3 l = rk_dmadd(rk_dscale(axis, u), side, across * cos(phi));
             l.y += across * sin(phi);
             if (shading->model != RK_SHADING_PHONG) {

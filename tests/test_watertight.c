@@ -6,7 +6,7 @@
 
 #include <float.h>
 
-enum { cases = 20000 };
+enum { cases = 5000 }; /* the rarest known mistake shows in one of 30 */
 
 /* Corners and origins up to 2^22: differences and their products fit the integers, and the floats.
  */
@@ -365,7 +365,7 @@ static void a_ray_that_starts_in_the_plane_misses(void **state)
                        "the unit of t: edge times edge times distance, without the direction");
         /* Powers of two change no digit: directions far longer, or shorter, than any edge. */
         const int exponents[] = {20, -20, 60, -60, 100, -100};
-        for (int k = 0; k < 6 && i % 16 == 0; k++) {
+        for (int k = 0; k < 6 && i % 4 == 0; k++) {
             rk_triangle triangle = float_triangle(p.corner, 0, 7);
             rk_ray ray = ray_of(&p, 0);
             ray.direction = rk_scale(ray.direction, ldexpf(1, exponents[k]));
@@ -484,7 +484,7 @@ static void check_ball(int exponent, whole3 centre, double radius, uint32_t key)
 {
     static whole3 ball[triangles_max][3];
     uint32_t count = make_ball(ball, rows, radius, centre);
-    for (uint32_t i = 0; i < 400; i++) {
+    for (uint32_t i = 0; i < 100; i++) {
         uint32_t ray_key = key * 1000 + i;
         whole3 origin = whole_madd(centre, random_point(ray_key, 30, (int64_t)(radius / 4)), 1);
         whole3 direction = aimed(ray_key, ball[rk_case(ray_key, 0, 0, 8) % count], origin);
@@ -702,7 +702,7 @@ static void check_leaf(uint32_t key, int exponent, int direction_exponent)
 static void four_at_once_are_decided_as_one_by_one(void **state)
 {
     (void)state;
-    for (uint32_t i = 0; i < cases; i++) {
+    for (uint32_t i = 0; i < cases / 2; i++) {
         check_leaf(i, 0, 0);
         check_leaf(i, (int)(rk_case(i, 1, 8, 8) % 227) - 140,
                    (int)(rk_case(i, 2, 8, 8) % 227) - 140);
