@@ -106,6 +106,7 @@ def _run_tool(toolchain, command, folder):
         environment = dict(sandbox.bare_environment(folder), CCACHE_DISABLE="1",
                            PATH=os.environ.get("PATH", os.defpath))
         enclose = functools.partial(toolchain.sandbox.around_compiler, folder=folder, kit=toolchain.source)
+        command = [_without_ccache(command[0]), *command[1:]]
     try:
         outcome = sandbox.run(
             command, seconds=_SECONDS, megabytes=_MEGABYTES, folder=os.getcwd(),
@@ -116,6 +117,16 @@ def _run_tool(toolchain, command, folder):
     if outcome.status != 0:
         _check_disk(folder)
     return outcome
+
+
+@functools.lru_cache
+def _without_ccache(compiler):
+    """Returns the compiler for which ccache stands in PATH: in a sandbox ccache could keep nothing."""
+    found = [os.path.join(folder, compiler) for folder in os.get_exec_path()]
+    found = [path for path in found if os.access(path, os.X_OK)]
+    if not found or os.path.basename(os.path.realpath(found[0])) != "ccache":
+        return compiler
+    return next((path for path in found if os.path.basename(os.path.realpath(path)) != "ccache"), compiler)
 
 
 def _check_disk(folder):
@@ -333,7 +344,8 @@ def plain(toolchain, unit, text):
 
 
 def _is_below(path, folder):
-    return os.path.commonpath([path, os.path.realpath(folder)]) == os.path.realpath(folder)
+    """Both are real paths."""
+    return path == folder or path.startswith(folder.rstrip("/") + "/")
 
 
 def _check_included(toolchain, unit, listing):
@@ -342,13 +354,15 @@ def _check_included(toolchain, unit, listing):
         # In make's syntax: blanks in names are escaped, quotes are ordinary characters.
         words = [re.sub(r"\\([ \t#])", r"\1", word).replace("$$", "$")
                  for word in re.findall(r"(?:\\.|\S)+", file.read().replace("\\\n", " "))]
-    own, source = os.path.dirname(os.path.abspath(unit.path)), os.path.join(toolchain.source, "src")
+    kit, itself = os.path.realpath(toolchain.source), os.path.realpath(unit.path)
+    own = os.path.realpath(os.path.dirname(os.path.abspath(unit.path)))
+    source, tests = os.path.realpath(os.path.join(kit, "src")), os.path.realpath(os.path.join(kit, "tests"))
     for word in words[1:]:
         path = os.path.realpath(word)
         is_header = path.endswith(".h") and (_is_below(path, source) or _is_below(path, own))
         is_systems = path.startswith(("/usr/", "/opt/", "/nix/", "/Library/")) and not path.endswith(".c")
-        is_suites = _is_below(path, os.path.join(toolchain.source, "tests"))
-        if path != os.path.realpath(unit.path) and (is_suites or not (is_header or is_systems)):
+        is_suites = _is_below(path, tests)
+        if path != itself and (is_suites or not (is_header or is_systems)):
             raise BuildError(_not_to_include(unit, plain(toolchain, unit, word)))
 
 

@@ -7,6 +7,7 @@ assembly. They cannot stop a pointer that is made from a number: C has no walls 
 """
 
 import functools
+import os
 import re
 import subprocess
 
@@ -90,6 +91,7 @@ def _attributes_of(text):
                 break
 
 
+@functools.lru_cache(maxsize=1024)  # system headers have thousands, of a few names
 def _bare(name):
     return re.sub(r"^__(\w+?)__$", r"\1", name)
 
@@ -145,17 +147,27 @@ _SYMBOL = re.compile(r"([0-9a-f]{8,}) (.{7}) (.+?)\t([0-9a-f]+) (?:\.\w+ )?(.*)"
 
 
 def _symbols_of(objdump, path):
+    """Returns the lines of objdump -t, which is asked once for a file that does not change."""
+    try:
+        state = os.stat(path)
+    except OSError as error:
+        raise ToolError(f"{path} cannot be read: {error.strerror}") from error
+    return _read_symbols(objdump, path, (state.st_dev, state.st_ino, state.st_size, state.st_mtime_ns))
+
+
+@functools.lru_cache(maxsize=64)
+def _read_symbols(objdump, path, _):
     # nm starts all plugins for link-time optimization that the machine has, which takes ten times as long.
     answer = subprocess.run([objdump, "-t", path], capture_output=True, text=True, errors="replace",
                             check=False)
     if answer.returncode:
         raise ToolError(f"{objdump} could not read {path}: {answer.stderr.strip()}")
-    return answer.stdout
+    return answer.stdout.splitlines()
 
 
 def global_names(objdump, path):
     """Returns the global names that an object defines."""
-    symbols = (_SYMBOL.match(line) for line in _symbols_of(objdump, path).splitlines())
+    symbols = (_SYMBOL.match(line) for line in _symbols_of(objdump, path))
     return [symbol[5] for symbol in symbols if symbol and symbol[2][0] != "l" and symbol[3] != "*UND*"]
 
 
@@ -296,7 +308,7 @@ def _is_c(name):
 def pure_names(objdump, archive):
     """Returns the archive's functions that use nothing but C's and each other: no files, no threads."""
     defined, used, module = {}, {}, ""
-    for line in _symbols_of(objdump, archive).splitlines():
+    for line in _symbols_of(objdump, archive):
         begins, symbol = re.match(r"(\S+): +file format ", line), _SYMBOL.match(line)
         if begins:
             module = begins[1]
