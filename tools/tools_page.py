@@ -37,7 +37,7 @@ def _is_source(path):
     """A file in one of our languages, or a script without an ending; not what a compiler has left."""
     ending = os.path.splitext(path)[1]
     if ending or not os.path.isfile(path):
-        return ending in (".py", ".sh", ".awk", ".lua", ".js", ".c", ".h")
+        return ending in (".py", ".sh", ".awk", ".lua", ".js", ".mjs", ".c", ".h")
     with open(path, "rb") as file:
         return file.read(2) == b"#!"
 

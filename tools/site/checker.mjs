@@ -1,0 +1,109 @@
+// Checks a unit as a page does: compiles it, links it with its suite, and runs its claims, each in an instance of its
+// own, in a worker that is ended when a claim takes too long.
+
+export class Checker {
+  #run = {is_ended: true};
+  #slots; // {worker, stop}: a worker, or null, and what takes the result that is awaited, or null
+
+  // kit: what `make site` has made: {archive, headers, suites: {STEM: {object, claims}}}. startWorker() starts
+  // claims_worker.mjs as a Web Worker, or as what has its interface; there are at most so many.
+  constructor(toolchain, kit, startWorker, workers) {
+    Object.assign(this, {toolchain, kit, startWorker});
+    this.#slots = Array.from({length: workers}, () => ({worker: null, stop: null}));
+  }
+
+  // Returns {object, said, seconds}; said: the compiler's warnings and errors, which name the file STEM.c; object is
+  // null if there are errors.
+  compile(stem, text) {
+    const started = performance.now(), name = `${stem}.c`;
+    const {object, said} = this.toolchain.compile({src: this.kit.headers, [name]: text}, name, {include: ["src"], unit: true, warnings: true});
+    return {object, said, seconds: (performance.now() - started) / 1000};
+  }
+
+  // Returns {bytes, seconds}: the suite's module with this unit, or with {said} why it cannot be linked.
+  link(stem, object) {
+    const started = performance.now(), suite = this.kit.suites[stem];
+    const {bytes, said} = this.toolchain.link({"unit.o": object, "suite.o": suite.object}, {"kit.a": this.kit.archive});
+    return {bytes, said, seconds: (performance.now() - started) / 1000};
+  }
+
+  // Runs claims of a module, begun in order, as many at once as there are workers; calls tell(verdict) for each that
+  // ends, see verdict_of. A claim may take `limit` seconds. Resolves when all have run, or when end() is called.
+  async run(module, bytes, claims, limit, tell) {
+    const left = [...claims], run = this.#run = {is_ended: false};
+    await Promise.all(this.#slots.map(async (slot) => {
+      while (left.length > 0 && !run.is_ended) {
+        const result = await this.#run_one(slot, module, left.shift(), limit);
+        if (!run.is_ended) tell(this.verdict_of(bytes, result));
+      }
+    }));
+  }
+
+  // Ends the claims that are running, if any are.
+  end() {
+    this.#run.is_ended = true;
+    for (const slot of this.#slots) {
+      if (slot.worker) slot.worker.terminate();
+      slot.worker = null;
+      if (slot.stop) slot.stop(null);
+    }
+  }
+
+  // Resolves to what claims_worker.mjs sends.
+  #run_one(slot, module, claim, limit) {
+    return new Promise((resolve) => {
+      slot.worker = slot.worker || this.startWorker();
+      const late = () => {
+        slot.worker.terminate();
+        slot.worker = null;
+        slot.stop({claim, status: 4, seconds: limit, fault: `no verdict after ${limit} s: does a loop never end?`, stack: ""});
+      };
+      const timer = setTimeout(late, 1000 * limit);
+      slot.stop = (result) => {
+        slot.stop = null;
+        clearTimeout(timer);
+        resolve(result);
+      };
+      slot.worker.onmessage = ({data}) => { if (slot.stop) slot.stop(data); };
+      slot.worker.postMessage({module, claim});
+    });
+  }
+
+  // Returns a claim's verdict: {claim, verdict, message, place, seconds}; verdict: "passed", "failed", or "fault" for
+  // what the code did that C does not define. place: "normals.c:12" or "".
+  verdict_of(bytes, {claim, status, message, said, file, line, fault, stack, seconds}) {
+    const verdict = status === 0 ? "passed" : fault ? "fault" : "failed";
+    const place = line ? `${file.replace(/.*\//, "")}:${line}` : verdict === "fault" ? this.#place_in(bytes, stack) : "";
+    return {claim, verdict, message: fault || message || (said || "").trim(), place, seconds};
+  }
+
+  // The innermost call of the engine's list that has a line in the unit or the suite.
+  #place_in(bytes, stack) {
+    const section = code_section(bytes);
+    const offsets = [...stack.matchAll(/wasm-function\[\d+\]:0x([0-9a-f]+)/g)].map(([, at]) => parseInt(at, 16) - section);
+    if (offsets.length === 0) return "";
+    const place = this.toolchain.places(bytes, offsets).find(({line}) => line);
+    return place ? `${place.file.replace(/.*\//, "")}:${place.line}` : "";
+  }
+}
+
+// Where the contents of a module's code section begin, from which its line numbers count.
+function code_section(bytes) {
+  const CODE = 10;
+  let at = 8; // behind the format's name and version
+  const number = () => { // LEB128
+    let value = 0, scale = 1, byte;
+    do {
+      byte = bytes[at++];
+      value += (byte & 0x7f) * scale;
+      scale *= 128;
+    } while (byte & 0x80);
+    return value;
+  };
+  while (at < bytes.length) {
+    const kind = bytes[at++], size = number();
+    if (kind === CODE) return at;
+    at += size;
+  }
+  return 0;
+}

@@ -1,0 +1,93 @@
+// Runs one claim of a suite in an instance of its own: the few calls of WASI (snapshot preview 1, wasi.dev) that a suite
+// makes, without files.
+
+class Exit {
+  constructor(status) { this.status = status; }
+}
+
+// A trap by its error, in the words of tools/site/memory.c. Engines call them differently.
+function said_of(error) {
+  const text = String(error.message);
+  if (error instanceof RangeError || /call stack|recursion/.test(text)) return "the stack is used up: does a function call itself for ever?";
+  if (/out of bounds|out-of-bounds/.test(text)) return "memory is used that the program does not have, or the stack is used up";
+  if (/divi/.test(text)) return "an integer is divided by 0, or the quotient is beyond its type's range";
+  return text;
+}
+
+// args: what a suite takes: ["--only", name], ["--list"]. Returns {status, printed, said, message, file, line, fault,
+// stack}: message, file and line of the claim that failed; fault: what the code did that C does not define, or "";
+// stack: the engine's list of calls at the fault.
+export function runSuite(module, args, environment = {}) {
+  const result = {status: 0, printed: "", said: "", message: "", file: "", line: 0, fault: "", stack: ""};
+  const encode = (words) => words.map((word) => new TextEncoder().encode(word + "\0"));
+  const words = encode(["suite", ...args]), variables = encode(Object.entries(environment).map((pair) => pair.join("=")));
+  const decoders = {1: new TextDecoder(), 2: new TextDecoder()};
+  let memory = null;
+  const view = () => new DataView(memory.buffer);
+  const bytes = (from, size) => new Uint8Array(memory.buffer, from >>> 0, size);
+  const text = (from) => {
+    const rest = new Uint8Array(memory.buffer, from >>> 0);
+    return new TextDecoder().decode(rest.subarray(0, rest.indexOf(0)));
+  };
+  const SUCCESS = 0, BAD_DESCRIPTOR = 8, NO_SYSTEM = 52;
+  const sizes = (list) => (count, size) => {
+    view().setUint32(count, list.length, true);
+    view().setUint32(size, list.reduce((sum, item) => sum + item.length, 0), true);
+    return SUCCESS;
+  };
+  const items = (list) => (pointers, to) => {
+    for (const item of list) {
+      view().setUint32(pointers, to, true);
+      bytes(to, item.length).set(item);
+      pointers += 4;
+      to += item.length;
+    }
+    return SUCCESS;
+  };
+  const wasi = {
+    args_sizes_get: sizes(words), args_get: items(words),
+    environ_sizes_get: sizes(variables), environ_get: items(variables),
+    clock_time_get(clock, precision, time) {
+      view().setBigUint64(time, BigInt(Math.round(performance.now() * 1e6)), true);
+      return SUCCESS;
+    },
+    fd_write(descriptor, vectors, count, written) {
+      if (!decoders[descriptor]) return BAD_DESCRIPTOR;
+      let sum = 0;
+      for (let i = 0; i < count; i++) {
+        const size = view().getUint32(vectors + 8 * i + 4, true);
+        const part = decoders[descriptor].decode(bytes(view().getUint32(vectors + 8 * i, true), size).slice(), {stream: true});
+        result[descriptor === 1 ? "printed" : "said"] += part;
+        sum += size;
+      }
+      view().setUint32(written, sum, true);
+      return SUCCESS;
+    },
+    fd_fdstat_get(descriptor, to) {
+      if (descriptor > 2) return BAD_DESCRIPTOR;
+      bytes(to, 24).fill(0);
+      return SUCCESS;
+    },
+    fd_prestat_get: () => BAD_DESCRIPTOR,
+    proc_exit(status) { throw new Exit(status); },
+  };
+  const raykit = {
+    message(said) { result.message = text(said); },
+    failed(file, line) { Object.assign(result, {file: text(file), line}); },
+    fault(what, file, line) { Object.assign(result, {fault: text(what), file: text(file), line}); },
+  };
+  const imports = {raykit, wasi_snapshot_preview1: new Proxy(wasi, {get: (calls, name) => calls[name] || (() => NO_SYSTEM)})};
+  try {
+    const {exports} = new WebAssembly.Instance(module, imports);
+    memory = exports.memory;
+    exports._start();
+  } catch (error) {
+    if (error instanceof Exit) result.status = error.status;
+    else {
+      result.status = 3;
+      result.fault = result.fault || said_of(error);
+      result.stack = String(error.stack);
+    }
+  }
+  return result;
+}
