@@ -3,8 +3,6 @@
 #include "driver/driver_main.h"
 #include "driver/driver_options.h"
 #include "driver/unsolved.h"
-#include "io/png.h"
-#include "io/srgb8.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,21 +11,12 @@
 
 #define IMPORT(name) __attribute__((import_module("raykit"), import_name(name)))
 
-/* Four bytes per pixel, encoded as the driver's PNG would be. */
-IMPORT("picture") void raykit_picture(const uint8_t *rgba, size_t width, size_t height);
-
-/* Of the next picture's false colours: text_of in driver/driver_save.c. */
-IMPORT("scale") void raykit_scale(const char *text);
-
 /* How the run ended: the camera, in the units of its options, and the time. */
 IMPORT("finish")
 void raykit_finish(double yaw, double pitch, double distance, double build_ms, double render_ms);
 
 /* Scene and tree are kept: draw_kept draws further pictures of them. */
 IMPORT("keep") void raykit_keep(void);
-
-/* A cell of a table's row. */
-IMPORT("cell") void raykit_cell(const char *column, const char *text, bool last);
 
 #define RK_FEATURE(stem) int rk_live_##stem(int argc, char **argv);
 #include "features/list.h"
@@ -167,67 +156,6 @@ int draw_kept(void)
     return draw_below(above);
 }
 
-/* --- in place of src/io/png_read.c and png_write.c -------------------------------------------- */
-
-bool rk_png_write(const char *path, const rk_image *image, const rk_png_text *texts,
-                  size_t text_count, rk_error *error)
-{
-    for (size_t i = 0; i < text_count; i++)
-        if (strcmp(texts[i].key, "raykit:scale") == 0)
-            raykit_scale(texts[i].value);
-    rk_srgb8 table;
-    rk_srgb8_init(&table);
-    size_t count = image->width * image->height;
-    uint8_t *rgba = rk_allocate(count, 4, path, error);
-    if (!rgba)
-        return false;
-    for (size_t i = 0; i < count; i++) {
-        rgba[4 * i] = rk_srgb8_encode(&table, image->pixels[i].x);
-        rgba[4 * i + 1] = rk_srgb8_encode(&table, image->pixels[i].y);
-        rgba[4 * i + 2] = rk_srgb8_encode(&table, image->pixels[i].z);
-        rgba[4 * i + 3] = 255;
-    }
-    raykit_picture(rgba, image->width, image->height);
-    free(rgba);
-    return true;
-}
-
-static bool no_file(const char *path, rk_error *error)
-{
-    return rk_fail(error, "%s: a page reads no files; run the driver itself", path);
-}
-
-bool rk_png_read(rk_image *image, const char *path, rk_error *error)
-{
-    (void)image;
-    return no_file(path, error);
-}
-
-bool rk_png_read_within(rk_image *image, const char *path, size_t most_pixels, rk_error *error)
-{
-    (void)image;
-    (void)most_pixels;
-    return no_file(path, error);
-}
-
-bool rk_png_read_shaped(rk_image *image, const char *path, size_t most_pixels, rk_image_shape shape,
-                        rk_error *error)
-{
-    (void)image;
-    (void)most_pixels;
-    (void)shape;
-    return no_file(path, error);
-}
-
-bool rk_png_read_opacity(rk_image *image, const char *path, size_t most_pixels, bool alpha_only,
-                         rk_error *error)
-{
-    (void)image;
-    (void)most_pixels;
-    (void)alpha_only;
-    return no_file(path, error);
-}
-
 /* --- around functions of the kit (wasm-ld --wrap) --------------------------------------------- */
 
 int __real_rk_driver_finish(rk_driver *driver, bool ok, const rk_error *error);
@@ -237,22 +165,4 @@ int __wrap_rk_driver_finish(rk_driver *driver, bool ok, const rk_error *error)
 {
     tell_camera(driver);
     return __real_rk_driver_finish(driver, ok, error);
-}
-
-bool __wrap_rk_table_put(const char *path, const char *const *header, const char *const *cells,
-                         size_t columns, size_t key_columns, rk_error *error);
-
-/* A row is printed, name by name, and goes to the page cell by cell. */
-bool __wrap_rk_table_put(const char *path, const char *const *header, const char *const *cells,
-                         size_t columns, size_t key_columns, rk_error *error)
-{
-    (void)path;
-    (void)key_columns;
-    (void)error;
-    for (size_t i = 0; i < columns; i++) {
-        printf("%s%s=%s", i ? ", " : "", header[i], cells[i]);
-        raykit_cell(header[i], cells[i], i + 1 == columns);
-    }
-    printf("\n");
-    return true;
 }

@@ -1,5 +1,5 @@
-// Runs one claim of a suite in an instance of its own: the few calls of WASI (snapshot preview 1, wasi.dev) that a suite
-// makes, without files.
+// Runs a program, a claim of a suite or a driver, in an instance of its own: the few calls of WASI (snapshot preview 1,
+// wasi.dev) that it makes, without files.
 
 class Exit {
   constructor(status) { this.status = status; }
@@ -14,13 +14,35 @@ function said_of(error) {
   return text;
 }
 
-// args: what a suite takes: ["--only", name], ["--list"]. Returns {status, printed, said, message, file, line, fault,
-// stack}: message, file and line of the claim that failed; fault: what the code did that C does not define, or "";
-// stack: the engine's list of calls at the fault.
+// args: what a suite takes: ["--only", name], ["--list"]. Returns what runProgram does, and message, file and line of the
+// claim that failed.
 export function runSuite(module, args, environment = {}) {
-  const result = {status: 0, printed: "", said: "", message: "", file: "", line: 0, fault: "", stack: ""};
+  return runProgram(module, ["suite", ...args], {environment, result: {message: "", file: "", line: 0}, calls: (result, {text}) => ({
+    message(said) { result.message = text(said); },
+    failed(file, line) { Object.assign(result, {file: text(file), line}); },
+    fault(what, file, line) { Object.assign(result, {fault: text(what), file: text(file), line}); },
+  })});
+}
+
+// args: ["bloom", "--bloom-radius", "3"]. Returns what runProgram does, and the driver's picture: width, height and
+// pixels, RGBA, null if it has drawn none, and the scale of its false colours or "".
+export function runDriver(module, args) {
+  return runProgram(module, args, {result: {file: "", line: 0, width: 0, height: 0, pixels: null, scale: ""}, calls: (result, {text, bytes}) => ({
+    scale(shown) { result.scale = text(shown); },
+    picture(rgba, width, height) {
+      Object.assign(result, {width, height, pixels: new Uint8ClampedArray(bytes(rgba, 4 * width * height).slice().buffer)});
+    },
+    cell() {}, // of a table's row, which is printed too
+    fault(what, file, line) { Object.assign(result, {fault: text(what), file: text(file), line}); },
+  })});
+}
+
+// Returns {status, printed, said, fault, stack} and what calls, the program's own imports, put into result; fault: what
+// the code did that C does not define, or ""; stack: the engine's list of calls at the fault.
+function runProgram(module, args, {environment = {}, result: own, calls}) {
+  const result = {status: 0, printed: "", said: "", fault: "", stack: "", ...own};
   const encode = (words) => words.map((word) => new TextEncoder().encode(word + "\0"));
-  const words = encode(["suite", ...args]), variables = encode(Object.entries(environment).map((pair) => pair.join("=")));
+  const words = encode(args), variables = encode(Object.entries(environment).map((pair) => pair.join("=")));
   const decoders = {1: new TextDecoder(), 2: new TextDecoder()};
   let memory = null;
   const view = () => new DataView(memory.buffer);
@@ -71,12 +93,7 @@ export function runSuite(module, args, environment = {}) {
     fd_prestat_get: () => BAD_DESCRIPTOR,
     proc_exit(status) { throw new Exit(status); },
   };
-  const raykit = {
-    message(said) { result.message = text(said); },
-    failed(file, line) { Object.assign(result, {file: text(file), line}); },
-    fault(what, file, line) { Object.assign(result, {fault: text(what), file: text(file), line}); },
-  };
-  const imports = {raykit, wasi_snapshot_preview1: new Proxy(wasi, {get: (calls, name) => calls[name] || (() => NO_SYSTEM)})};
+  const imports = {raykit: calls(result, {text, bytes}), wasi_snapshot_preview1: new Proxy(wasi, {get: (calls, name) => calls[name] || (() => NO_SYSTEM)})};
   try {
     const {exports} = new WebAssembly.Instance(module, imports);
     memory = exports.memory;

@@ -17,9 +17,16 @@ export function read_kit(site) {
   return {archive: new Uint8Array(read("kit.a")), headers: JSON.parse(read("headers.json")), suites};
 }
 
-// claims_worker.mjs with the interface of a Web Worker.
-export function start_worker() {
-  const worker = new Worker(new URL("claims_worker.mjs", import.meta.url));
+// Returns what Drawer takes, and the pictures of the steps by stem (looks.json).
+export function read_drivers(site) {
+  const read = (name) => new Uint8Array(fs.readFileSync(path.join(site, name))), looks = JSON.parse(fs.readFileSync(path.join(site, "looks.json")));
+  const drivers = Object.fromEntries(Object.keys(looks).map((stem) => [stem, read(`drivers/${stem}.o`)]));
+  return {archives: Object.fromEntries(["drivers.a", "kit.a"].map((name) => [name, read(name)])), drivers, looks};
+}
+
+// A worker with the interface of a Web Worker.
+export function start_worker(name = "claims_worker.mjs") {
+  const worker = new Worker(new URL(name, import.meta.url));
   worker.on("message", (data) => worker.onmessage({data}));
   worker.on("error", (error) => { throw error; });
   return worker;

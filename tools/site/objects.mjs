@@ -7,58 +7,18 @@
 //   headers.json        the headers that a unit can include, as a tree of their texts
 //   suites.json         for each suite its claims, in the order of points.tsv: {name, points, step}
 //   objects/            all objects by the digest of what they are made of, for the next time
-import {createHash} from "node:crypto";
 import fs from "node:fs";
 import path from "node:path";
 import {parseArgs} from "node:util";
-import {OBJECT_FLAGS, ToolError} from "./toolchain.mjs";
+import {ToolError} from "./toolchain.mjs";
 import {load_toolchain} from "./kit_files.mjs";
+import {Maker, tree} from "./maker.mjs";
 import {runSuite} from "./instance.mjs";
 
 const OWN = ["tools/site/cmocka.c", "tools/site/memory.c", "tools/site/undefined.c"];
 const OF_SUITES = ["tests/suite.c", "tests/likely_mistakes.c"];
 const INCLUDE = ["src", "tests", "site", "site/include"];
 const FLAGS = [`-DPACKAGE_VERSION="page"`];
-
-// A folder's files whose names end so, as a tree.
-function tree(folder, end) {
-  const files = {};
-  for (const entry of fs.readdirSync(folder, {withFileTypes: true})) {
-    const at = path.join(folder, entry.name);
-    if (entry.isDirectory()) files[entry.name] = tree(at, end);
-    else if (end.test(entry.name)) files[entry.name] = fs.readFileSync(at, "utf8");
-  }
-  return files;
-}
-
-class Maker {
-  constructor(toolchain, source, store) {
-    const headers = (folder) => tree(path.join(source, folder), /\.h$/);
-    Object.assign(this, {toolchain, source, store,
-      headers: {src: headers("src"), tests: headers("tests"), site: headers("tools/site")}});
-    const inputs = JSON.stringify([this.headers, INCLUDE, FLAGS, OBJECT_FLAGS]);
-    this.inputs = createHash("sha256").update(inputs).digest("hex");
-    fs.mkdirSync(store, {recursive: true});
-  }
-
-  // Returns the object of a source; throws what the compiler says of it.
-  compile(file, checks = false) {
-    const name = path.basename(file), text = fs.readFileSync(path.join(this.source, file), "utf8");
-    const digest = createHash("sha256").update(`${this.inputs} ${checks} ${file}\n${text}`).digest("hex");
-    const stored = path.join(this.store, `${digest}.o`);
-    if (fs.existsSync(stored)) return new Uint8Array(fs.readFileSync(stored));
-    const {object, said} = this.toolchain.compile({...this.headers, [name]: text}, name,
-      {include: INCLUDE, flags: FLAGS, checks, lines: checks});
-    if (!object) throw new ToolError(`${file} does not compile:\n${said}`);
-    fs.writeFileSync(`${stored}.part`, object);
-    fs.renameSync(`${stored}.part`, stored);
-    return object;
-  }
-
-  compile_all(sources, checks) {
-    return Object.fromEntries(sources.map((file) => [file.replaceAll("/", "-").replace(/c$/, "o"), this.compile(file, checks(file))]));
-  }
-}
 
 // The claims in the order in which students meet them, each with its points and its step.
 function claims_of(source, stem, names) {
@@ -75,7 +35,9 @@ async function main() {
   const text = {type: "string"};
   const {values} = parseArgs({options: {source: text, out: text, base: text, suite: {...text, multiple: true}}});
   const {source, out} = values, toolchain = await load_toolchain(out);
-  const maker = new Maker(toolchain, source, path.join(out, "objects"));
+  const headers = (folder) => tree(path.join(source, folder), /\.h$/);
+  const maker = new Maker(toolchain, {source, store: path.join(out, "objects"), include: INCLUDE, flags: FLAGS,
+    headers: {src: headers("src"), tests: headers("tests"), site: headers("tools/site")}});
   fs.mkdirSync(path.join(out, "suites"), {recursive: true});
   // Allocations are counted by the sanitizer's hooks; the kit's triangle test reads what a unit gives it.
   const is_checked = (file) => file === "tests/count_allocations.c" || file.startsWith("src/features/");

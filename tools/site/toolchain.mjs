@@ -77,9 +77,11 @@ export class Toolchain {
   }
 
   // Links objects, bytes by their names, and archives, from which only what is wanted is taken. Returns {bytes, said}:
-  // the module, null if it cannot be linked, and why not.
-  link(objects, archives) {
-    const {status, output, said} = this.run(["wasm-ld", ...LINK, `${LIBRARIES}/crt1-command.o`,
+  // the module, null if it cannot be linked, and why not. wrap: further functions in whose place the objects have others,
+  // as for wasm-ld's --wrap.
+  link(objects, archives, {wrap = []} = {}) {
+    const wrapped = wrap.map((name) => `--wrap=${name}`);
+    const {status, output, said} = this.run(["wasm-ld", ...LINK, ...wrapped, `${LIBRARIES}/crt1-command.o`,
       ...Object.keys(objects), ...Object.keys(archives), "-L", LIBRARIES, "-lc", "/usr/lib/wasm32-unknown-wasip1/libclang_rt.builtins.a",
       "-o", "-"], {...objects, ...archives});
     return {bytes: status === 0 ? output : null, said};

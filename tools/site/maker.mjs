@@ -1,0 +1,47 @@
+// Compiles the kit's sources by the clang that a page has, and keeps the objects for the next time.
+import {createHash} from "node:crypto";
+import fs from "node:fs";
+import path from "node:path";
+import {OBJECT_FLAGS, ToolError} from "./toolchain.mjs";
+
+// A folder's files whose names end so, as a tree.
+export function tree(folder, end) {
+  const files = {};
+  for (const entry of fs.readdirSync(folder, {withFileTypes: true})) {
+    const at = path.join(folder, entry.name);
+    if (entry.isDirectory()) files[entry.name] = tree(at, end);
+    else if (end.test(entry.name)) files[entry.name] = fs.readFileSync(at, "utf8");
+  }
+  return files;
+}
+
+export class Maker {
+  // store: the folder in which objects stand by the digest of what they are made of. headers: trees by the folders that
+  // include names.
+  constructor(toolchain, {source, store, headers, include, flags}) {
+    Object.assign(this, {toolchain, source, store, headers, include, flags});
+    this.inputs = createHash("sha256").update(JSON.stringify([headers, include, flags, OBJECT_FLAGS])).digest("hex");
+    fs.mkdirSync(store, {recursive: true});
+  }
+
+  // Returns the object of a source; throws what the compiler says of it.
+  compile(file, checks = false) {
+    const name = path.basename(file), text = fs.readFileSync(path.join(this.source, file), "utf8");
+    const beside = file.startsWith("assignments/") ? tree(path.join(this.source, path.dirname(file)), /\.h$/) : {};
+    const parts = Object.keys(beside).length ? JSON.stringify(beside) : "";
+    const digest = createHash("sha256").update(`${this.inputs} ${checks} ${file}\n${parts}${text}`).digest("hex");
+    const stored = path.join(this.store, `${digest}.o`);
+    if (fs.existsSync(stored)) return new Uint8Array(fs.readFileSync(stored));
+    const {object, said} = this.toolchain.compile({...this.headers, ...beside, [name]: text}, name,
+      {include: this.include, flags: this.flags, checks, lines: checks});
+    if (!object) throw new ToolError(`${file} does not compile:\n${said}`);
+    fs.writeFileSync(`${stored}.part`, object);
+    fs.renameSync(`${stored}.part`, stored);
+    return object;
+  }
+
+  // Returns the objects of several, by names for a linker.
+  compile_all(sources, checks = () => false) {
+    return Object.fromEntries(sources.map((file) => [file.replaceAll("/", "-").replace(/c$/, "o"), this.compile(file, checks(file))]));
+  }
+}
