@@ -6,7 +6,8 @@ const http = require("http");
 const path = require("path");
 
 const TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".mjs": "text/javascript",
-  ".json": "application/json", ".png": "image/png", ".wasm": "application/wasm"};
+  ".json": "application/json", ".webmanifest": "application/manifest+json", ".png": "image/png", ".svg": "image/svg+xml",
+  ".wasm": "application/wasm"};
 
 // Serves a folder to this machine; resolves to the server.
 function serve(folder) {

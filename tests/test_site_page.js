@@ -4,15 +4,14 @@
 "use strict";
 
 const fs = require("fs");
-const http = require("http");
 const os = require("os");
 const path = require("path");
 const {Browser} = require("./browser.js");
+const {serve} = require("./site_server.js");
 
 if (process.argv.includes("--list")) process.exit(0); // the test driver asks for names of tests
 
 const [source, chromium, made] = process.argv.slice(2);
-const TYPES = {".html": "text/html", ".mjs": "text/javascript", ".json": "application/json", ".wasm": "application/wasm"};
 let count = 0, failed = 0;
 
 function check(good, what, why = "") {
@@ -21,32 +20,27 @@ function check(good, what, why = "") {
   failed += good ? 0 : 1;
 }
 
-// Serves a folder to this machine; resolves to the server.
-function serve(folder) {
-  const server = http.createServer((request, answer) => {
-    const file = path.join(folder, path.normalize(decodeURIComponent(request.url.replace(/\?.*/, ""))));
-    if (!file.startsWith(folder) || !fs.existsSync(file)) return answer.writeHead(404).end();
-    answer.writeHead(200, {"Content-Type": TYPES[path.extname(file)] || "application/octet-stream"});
-    return fs.createReadStream(file).pipe(answer);
-  });
-  return new Promise((resolve) => server.listen(0, "127.0.0.1", () => resolve(server)));
+// With Ctrl.
+async function press(browser, key, code, number) {
+  for (const type of ["keyDown", "keyUp"])
+    await browser.send("Input.dispatchKeyEvent", {type, key, code, windowsVirtualKeyCode: number, modifiers: 2});
 }
 
 // Replaces the text as typing does, and waits for the verdict. Returns {state, claims: {NAME: verdict and message}, said,
 // seconds}.
 async function type(browser, text) {
   await browser.value(`(() => {
-    const area = document.getElementById("text");
     document.getElementById("state").textContent = "Typed";
-    area.focus();
-    area.select();
+    document.querySelector("#text .cm-content").focus();
   })()`);
+  await press(browser, "a", "KeyA", 65);
   await browser.send("Input.insertText", {text});
   await browser.until(`/claims hold|finds an error|does not go on/.test(document.getElementById("state").textContent)`);
   return JSON.parse(await browser.value(`JSON.stringify({
     state: document.getElementById("state").textContent, said: document.getElementById("said").textContent,
     seconds: document.getElementById("seconds").textContent,
-    claims: Object.fromEntries([...document.getElementById("claims").children].map((item) =>
+    first: document.getElementById("first").textContent,
+    claims: Object.fromEntries([...document.querySelectorAll(".claims li")].map((item) =>
       [item.id, item.dataset.verdict + ": " + (item.querySelector("small") || {}).textContent]))})`));
 }
 
@@ -63,6 +57,39 @@ async function workbench(browser, address, stem) {
     if (time === 0) check(passed === all && Number(all) > 0, `${stem}: the reference, typed, passes all claims`, JSON.stringify(typed, null, 1));
     console.log(`# ${stem}: ${typed.seconds}`);
   }
+  await browser.until(`document.getElementById("drawn").textContent !== ""`);
+  const drawn = await browser.value(`document.getElementById("drawn").textContent`);
+  check(/the wanted picture; drawn in/.test(drawn), `${stem}: its picture is the wanted one`, drawn);
+}
+
+// What was typed is there again, with its history, when the page is opened anew.
+async function kept(browser, address, stem) {
+  const whole = `[...document.querySelectorAll("#text .cm-line")].map((line) => line.textContent).join("\\n")`;
+  await type(browser, "int first;\n");
+  await type(browser, "int second;\n");
+  await browser.open(`${address}/workbench.html?${stem}`);
+  await browser.until(`/finds an error|claims hold/.test(document.getElementById("state").textContent)`);
+  const again = await browser.value(whole);
+  await browser.value(`document.querySelector("#text .cm-content").focus()`);
+  await press(browser, "z", "KeyZ", 90);
+  const undone = await browser.value(whole);
+  check(again.startsWith("int second;") && undone.startsWith("int first;"), "a text is kept, with what can be undone", `${again} ${undone}`);
+}
+
+// After one visit the pages need no network.
+async function offline(browser, server, address) {
+  await browser.open(`${address}/index.html`);
+  const is_kept = await browser.until(`navigator.serviceWorker.controller && navigator.serviceWorker.controller.state === "activated"`);
+  const links = await browser.value(`document.querySelectorAll(".course a").length`);
+  check(is_kept && links === 16, "the landing page leads to all assignments, and keeps the site", `${is_kept} ${links}`);
+  await new Promise((resolve) => {
+    server.close(resolve);
+    server.closeAllConnections();
+  });
+  await browser.open(`${address}/workbench.html?shading`);
+  await browser.until(`/claims hold|does not go on/.test(document.getElementById("state").textContent)`);
+  const typed = await type(browser, fs.readFileSync(`${source}/src/features/shading.c`, "utf8"));
+  check(/^(\d+) of \1 claims/.test(typed.state), "without a network, an assignment that was never opened is checked", JSON.stringify(typed, null, 1));
 }
 
 async function mistakes(browser) {
@@ -73,7 +100,7 @@ async function mistakes(browser) {
   const broken = await type(browser, text.replace("return rk_vec(0.5f", "retrun rk_vec(0.5f"));
   check(/normals\.c:\d+:\d+: error/.test(broken.said), "a compiler's error names the line", JSON.stringify(broken, null, 1));
   const wild = await type(browser, text.replace("return rk_normalize(", "float two[2] = {a.x, b.x};\n    int many = 0x7fffffff + (int)(a.x > -1e30f);\n    if (two[many & 1] > 1e30f) return a;\n    return rk_normalize("));
-  check(/fault: the sum of two integers is beyond their type's range \(normals\.c:\d+\)/.test(Object.values(wild.claims).join("\n")),
+  check(/fault: the sum of two integers is beyond their type's range \(line \d+\)/.test(Object.values(wild.claims).join("\n")),
     "undefined behaviour is told with its kind and line", JSON.stringify(wild, null, 1));
 }
 
@@ -88,7 +115,9 @@ async function main() {
     const address = `http://127.0.0.1:${server.address().port}`;
     await workbench(browser, address, "normals");
     await mistakes(browser);
+    await kept(browser, address, "normals");
     await workbench(browser, address, "bvh_median");
+    await offline(browser, server, address);
   } finally {
     await browser.quit();
     server.close();
