@@ -1,17 +1,18 @@
 // The workbench in a browser: what is typed into it is compiled there, and its claims say what the native suite says.
 // Speaks TAP, for make check-site; runs in a build folder that has site/. Arguments: the source folder, Chromium,
-// and what make site has made ("" if missing).
+// what make site has made, and axe-core ("" if missing).
 "use strict";
 
 const fs = require("fs");
 const os = require("os");
 const path = require("path");
+const axe = require("./axe.js");
 const {Browser} = require("./browser.js");
 const {serve} = require("./site_server.js");
 
 if (process.argv.includes("--list")) process.exit(0); // the test driver asks for names of tests
 
-const [source, chromium, made] = process.argv.slice(2);
+const [source, chromium, made, axe_core] = process.argv.slice(2);
 let count = 0, failed = 0;
 
 function check(good, what, why = "") {
@@ -92,6 +93,18 @@ async function offline(browser, server, address) {
   check(/^(\d+) of \1 claims/.test(typed.state), "without a network, an assignment that was never opened is checked", JSON.stringify(typed, null, 1));
 }
 
+// For readers with weak sight or without a mouse, on a phone and on a desk.
+async function for_all_readers(browser, address) {
+  if (!axe_core) return console.log(`ok ${++count} - axe-core finds nothing # SKIP axe-core is missing: ./bootstrap --live`);
+  for (const [page, drawn] of [["index.html", "true"], ["workbench.html?shading", `document.getElementById("drawn").textContent !== ""`]]) {
+    await browser.open(`${address}/${page}`, axe.read(axe_core));
+    await browser.until(drawn);
+    const found = await axe.findings(browser);
+    check(found.length === 0, `axe-core finds nothing on ${page}`, found.join("\n"));
+  }
+  return browser.view(1280, "light");
+}
+
 async function mistakes(browser) {
   const text = fs.readFileSync(`${source}/src/features/normals.c`, "utf8");
   const halved = await type(browser, text.replace("0.5f + 0.5f * n.x, 0.5f + 0.5f * n.y", "1 + n.x, 1 + n.y"));
@@ -116,6 +129,7 @@ async function main() {
     await workbench(browser, address, "normals");
     await mistakes(browser);
     await kept(browser, address, "normals");
+    await for_all_readers(browser, address);
     await workbench(browser, address, "bvh_median");
     await offline(browser, server, address);
   } finally {

@@ -50,7 +50,7 @@ export class Editor {
     return [lineNumbers(), highlightActiveLineGutter(), history(), foldGutter(), codeFolding({placeholderText: "given"}),
       drawSelection(), indentOnInput(), indentUnit.of("    "), EditorState.tabSize.of(4), bracketMatching(), closeBrackets(),
       highlightActiveLine(), highlightSelectionMatches(), cpp(), syntaxHighlighting(COLOURS), lintGutter(), LOOK,
-      EditorView.contentAttributes.of({"aria-label": this.label, spellcheck: "false", autocapitalize: "off"}),
+      EditorView.contentAttributes.of({"aria-label": this.label, spellcheck: "false", autocapitalize: "off", tabindex: "0"}),
       EditorView.updateListener.of((update) => { if (update.docChanged) this.#changed(this.text()); }),
       keymap.of([...closeBracketsKeymap, ...defaultKeymap, ...searchKeymap, ...historyKeymap, ...foldKeymap, ...lintKeymap, indentWithTab])];
   }
