@@ -61,6 +61,12 @@ async function workbench(browser, address, stem) {
   await browser.until(`document.getElementById("drawn").textContent !== ""`);
   const drawn = await browser.value(`document.getElementById("drawn").textContent`);
   check(/the wanted picture; drawn in/.test(drawn), `${stem}: its picture is the wanted one`, drawn);
+  const dead = await browser.value(`Promise.all([...document.querySelectorAll("a")].map(async ({href}) => {
+    const answer = await fetch(href), page = new DOMParser().parseFromString(await answer.text(), "text/html");
+    const place = decodeURIComponent(new URL(href).hash.slice(1));
+    return answer.ok && (!place || page.getElementById(place)) ? "" : href;
+  })).then((all) => all.join(" ").trim())`);
+  check(dead === "", `${stem}: its links lead somewhere`, dead);
 }
 
 // What was typed is there again, with its history, when the page is opened anew.

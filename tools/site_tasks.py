@@ -97,13 +97,15 @@ _ASSIGNMENT = ('<li><a href="workbench.html?{stem}"><img src="pictures/{stem}.pn
                '{number}. {title}</a></li>')
 
 
-def landing_page(source, course, has_book):
-    """Returns the landing page with a picture and a link for each assignment of the course."""
+def landing_page(source, course, parts):
+    """Returns the landing page with a picture and a link for each assignment of the course, and a link for each of
+    these parts of the site: "book", "report"."""
     with open(os.path.join(source, "tools", "site", "index.html"), encoding="utf-8") as file:
         page = file.read()
     items = [_ASSIGNMENT.format(stem=task["stem"], number=task["number"], title=html.escape(task["title"]))
              for task in course]
-    page = re.sub("<!-- book -->(.*?)<!-- end -->", r"\1" if has_book else "", page)
+    page = re.sub(r" *<!-- (\w+) -->(.*?)<!-- end -->\n",
+                  lambda part: f"    {part[2]}\n" if part[1] in parts else "", page)
     return page.replace("<!-- course -->", "\n    ".join(items))
 
 
@@ -121,14 +123,16 @@ def main():
     parser.add_argument("--source", required=True, metavar="DIR", help="raykit's source folder")
     parser.add_argument("--out", required=True, metavar="DIR", help="write the files there")
     parser.add_argument("--book", action="store_true", help="the site has the book, as book/")
+    parser.add_argument("--report", action="store_true", help="the site has the report, as report/")
     parser.add_argument("stems", nargs="*", metavar="STEM", help="features; default: all")
     arguments = parser.parse_args()
     try:
         os.makedirs(os.path.join(arguments.out, "pictures"), exist_ok=True)
         os.makedirs(os.path.join(arguments.out, "tasks"), exist_ok=True)
+        parts = [part for part in ("book", "report") if getattr(arguments, part)]
         course = []
         for feature in choose(read_features(arguments.source), arguments.stems):
-            task = task_page(arguments.source, feature)
+            task = dict(task_page(arguments.source, feature), has_book=arguments.book)
             course.append({"stem": feature.stem, "number": int(feature.folder.split("_")[0]),
                            "title": task["title"]})
             _write_json(arguments.out, feature.stem, task)
@@ -136,7 +140,7 @@ def main():
         for picture in ("cover", *(task["stem"] for task in course)):
             shutil.copy(os.path.join(arguments.source, "docs", "pictures", picture + ".png"),
                         os.path.join(arguments.out, "pictures"))
-        _write(arguments.out, "index.html", landing_page(arguments.source, course, arguments.book))
+        _write(arguments.out, "index.html", landing_page(arguments.source, course, parts))
     except (ToolError, OSError) as error:
         print(f"site_tasks: {error}", file=sys.stderr)
         return 1
