@@ -72,7 +72,7 @@ def they_are_yaml():
     except ImportError:
         print("# there is no python3-yaml, so nobody else has read the workflows")
         return
-    for name in ("check.yml", "grade.yml", "check.gitlab-ci.yml"):
+    for name in ("check.yml", "grade.yml", "site.yml", "check.gitlab-ci.yml"):
         found = yaml.safe_load(read(WORKFLOWS, name))
         job = (found.get("jobs") or found)[name.partition(".")[0]]
         commands = job.get("script") or [step["run"] for step in job["steps"] if "run" in step]
@@ -159,10 +159,24 @@ def a_class_is_graded_in_private(folder, pack):
               f"nothing of it is in {name}'s repository", names)
 
 
+def the_site_s_commands_exist():
+    """They take half an hour and a network, so no more than that."""
+    usage = run(SOURCE, "./bootstrap", "--help")[1]
+    for command in commands_of(WORKFLOWS, "site.yml"):
+        name, *words = command.split()
+        if name == "./bootstrap":
+            check(all(word in usage for word in words), f"bootstrap has {' '.join(words)}", usage)
+        elif name == "make":
+            target = words[-1] if not words[-1].startswith("-") else "all"
+            status, said = run(".", MAKE, "-n", target)
+            check(status == 0 or "is missing" in said, f"make has {target}", said)
+
+
 def main():
     folder = tempfile.mkdtemp(prefix="raykit-test-workflows-")
     try:
         they_are_yaml()
+        the_site_s_commands_exist()
         os.mkdir(os.path.join(folder, "home"))
         pack = a_pack_is_checked_by_its_host(folder)
         try:

@@ -98,8 +98,8 @@ _ASSIGNMENT = ('<li><a href="workbench.html?{stem}"><img src="pictures/{stem}.pn
 
 
 def landing_page(source, course, parts):
-    """Returns the landing page with a picture and a link for each assignment of the course, and a link for each of
-    these parts of the site: "book", "report"."""
+    """Returns the landing page with a picture and a link for each assignment of the course, and a link for
+    each of these parts of the site: "book", "report"."""
     with open(os.path.join(source, "tools", "site", "index.html"), encoding="utf-8") as file:
         page = file.read()
     items = [_ASSIGNMENT.format(stem=task["stem"], number=task["number"], title=html.escape(task["title"]))
