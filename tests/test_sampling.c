@@ -994,7 +994,7 @@ static double variance(rk_sampler_kind kind, uint32_t dimension, uint32_t n)
 {
     const rk_sampler sampler = {kind, 3, n, 64};
     const uint32_t pixels = 4000;
-    /* The unit passes other kinds on: other_kinds_and_dimensions_are_as_before. */
+    /* The unit passes other kinds on, by a claim of its own. */
     void (*find_run)(const rk_sampler *, uint32_t, uint32_t, uint32_t, uint32_t, rk_vec2 *) =
         kind == RK_SAMPLER_SOBOL ? rk_joint_2d_run : rk_sample_2d_run;
     double sum = 0, squares = 0;
