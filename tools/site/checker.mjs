@@ -28,12 +28,12 @@ export class Checker {
   }
 
   // Runs claims of a module, begun in order, as many at once as there are workers; calls tell(verdict) for each that
-  // ends, see verdict_of. A claim may take `limit` seconds. Resolves when all have run, or when end() is called.
+  // ends, see verdict_of. A claim may take limit() seconds. Resolves when all have run, or when end() is called.
   async run(module, bytes, claims, limit, tell) {
     const left = [...claims], run = this.#run = {is_ended: false};
     await Promise.all(this.#slots.map(async (slot) => {
       while (left.length > 0 && !run.is_ended) {
-        const result = await this.#run_one(slot, module, left.shift(), limit);
+        const result = await this.#run_one(slot, module, left.shift(), limit());
         if (!run.is_ended) tell(this.verdict_of(bytes, result));
       }
     }));

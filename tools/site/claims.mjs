@@ -22,7 +22,7 @@ async function check(checker, stem, file, {first, seconds: limit}) {
   result.seconds.link = linked.seconds;
   if (!linked.bytes) return {...result, said: result.said + linked.said};
   const started = performance.now();
-  await checker.run(await WebAssembly.compile(linked.bytes), linked.bytes, checker.kit.suites[stem].claims.map(({name}) => name), Number(limit), (verdict) => {
+  await checker.run(await WebAssembly.compile(linked.bytes), linked.bytes, checker.kit.suites[stem].claims.map(({name}) => name), () => Number(limit), (verdict) => {
     if (first && result.verdicts.some((one) => one.verdict !== "passed")) return;
     result.verdicts.push(verdict);
     if (first && verdict.verdict !== "passed") checker.end();

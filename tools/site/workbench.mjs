@@ -32,6 +32,7 @@ function check() {
   if (!is_loaded || !task) return;
   shown("state").textContent = "Checking";
   shown("drawn").textContent = "";
+  for (const name of ["first", "pictures", "steps"]) shown(name).classList.add("old");
   worker.postMessage({id: ++id, text: editor.text()});
 }
 
@@ -42,7 +43,7 @@ function hint({title, text}) {
 }
 
 function step_of({number, write, given, hints, claims, points, sections}) {
-  const reading = sections.map((section) => made("a", {href: `book/${task.chapter}${section}`, textContent: section.slice(1).replaceAll("-", " ")}));
+  const reading = sections.map((section) => made("a", {href: `book/${task.chapter}${section}`, target: "_blank", rel: "noopener", textContent: section.slice(1).replaceAll("-", " ")}));
   return made("li", {id: `step-${number}`},
     made("h2", {}, `Step ${number} `, made("span", {className: "points", textContent: `${points} points`})),
     html("div", write), made("details", {}, made("summary", {textContent: "Given"}), made("ul", {}, ...given.map((text) => html("li", text)))),
@@ -78,6 +79,14 @@ function show_verdict({claim, verdict, message, place}) {
   item.replaceChildren(sentence(claim), ...said);
 }
 
+// What is to be worked on, in the place that is seen first.
+function show_box(title, message, place) {
+  shown("first").hidden = false;
+  shown("first").classList.remove("old");
+  shown("first").replaceChildren(made("strong", {textContent: title}), made("pre", {textContent: message}),
+    ...(place ? [made("p", {}, "in ", place_of(place))] : []));
+}
+
 // The first claim of the assignment's order that does not hold is the one to work on. Returns its step's number, or the
 // last one's.
 function show_first(verdicts) {
@@ -89,8 +98,7 @@ function show_first(verdicts) {
   if (!first) return last;
   const step = step_of_claim(first.claim);
   if (step) shown(`step-${step.number}`).classList.add("current");
-  shown("first").replaceChildren(made("strong", {textContent: `${step ? `Step ${step.number}: ` : ""}${sentence(first.claim)}`}),
-    made("pre", {textContent: first.message}), ...(first.place ? [made("p", {}, "in ", place_of(first.place))] : []));
+  show_box(`${step ? `Step ${step.number}: ` : ""}${sentence(first.claim)}`, first.message, first.place);
   const line = first.place.match(new RegExp(`^${stem}\\.c:(\\d+)$`))?.[1];
   if (line) editor.mark([{line: Number(line), message: first.message, severity: "error"}]);
   return step ? step.number : last;
@@ -100,6 +108,7 @@ function show_first(verdicts) {
 
 async function show_drawn({look, pixels, width, height, said, fault, place, seconds}) {
   shown("pictures").hidden = !pixels;
+  shown("pictures").classList.remove("old");
   shown("caption").textContent = `wanted: ${look.caption}`;
   if (!pixels) {
     shown("drawn").replaceChildren(`Step ${look.step} draws nothing: ${fault || said.trim()}`, ...(place ? [" (", place_of(place), ")"] : []));
@@ -112,13 +121,24 @@ async function show_drawn({look, pixels, width, height, said, fault, place, seco
 
 const FINDING = /^([\w.]+\.c):(\d+):\d+: (?:fatal )?(error|warning): (.*)$/gm;
 
-function show_said(said, built) {
+// The linker names a function that is missing once for each call.
+function without_repetitions(said) {
+  const missing = [...new Set([...said.matchAll(/undefined symbol: (\w+)/g)].map(([, name]) => name))];
+  return missing.length ? `Your file does not define ${missing.join(", ")}.` : said;
+}
+
+function show_said(words, built) {
+  const said = without_repetitions(words);
   shown("said").textContent = said;
   shown("said").hidden = !said;
   editor.mark([...said.matchAll(FINDING)].filter(([, file]) => file === `${stem}.c`)
     .map(([, , line, severity, message]) => ({line: Number(line), severity, message})));
   for (const item of claims()) item.classList.add("old");
-  if (!built) shown("state").textContent = "The compiler finds an error";
+  shown("steps").classList.remove("old");
+  if (built) return;
+  const [, , line, , message] = [...said.matchAll(FINDING)].find(([, , , severity]) => severity === "error") || [];
+  shown("state").textContent = "The compiler finds an error";
+  show_box("The compiler finds an error", message || said.trim(), line ? `${stem}.c:${line}` : "");
 }
 
 let verdicts = new Map();
@@ -130,7 +150,8 @@ function show_end(seconds) {
     const is_solved = step.claims.every((name) => verdicts.get(name)?.verdict === "passed");
     shown(`step-${step.number}`).classList.toggle("solved", is_solved);
   }
-  shown("state").textContent = `${passed} of ${claims().length} claims hold`;
+  const next = passed === claims().length ? ". Save the file, and choose the next assignment above." : "";
+  shown("state").textContent = `${passed} of ${claims().length} claims hold${next}`;
   shown("seconds").textContent = `${after} s after the last key: ` +
     Object.entries(seconds).filter(([, value]) => value !== undefined).map(([part, value]) => `${part} ${value.toFixed(2)} s`).join(", ");
   worker.postMessage({id, draw: show_first(verdicts)});
@@ -151,6 +172,8 @@ worker.onmessage = ({data}) => {
   if (data.verdict) {
     verdicts.set(data.verdict.claim, data.verdict);
     show_verdict(data.verdict);
+    shown("state").textContent = `Checking: ${verdicts.size} of ${claims().length}`;
+    if (data.verdict.verdict !== "passed") show_first(verdicts);
   }
   if (data.ends && data.ends.run !== undefined) show_end(data.ends);
   if (data.drawn) show_drawn(data.drawn);
