@@ -126,7 +126,7 @@ def moodle_takes_it(top):
           "each has the report on its student's work", one)
     check(one.status == 1 and "no name from Moodle is known for Tom Jarvis (1004); give" in one.said
           and "TEMPLATE" in one.said and "delivered" in one.said,
-          "who has no name in Moodle's form is said, with where to find it", one)
+          "students without a name in Moodle's form are listed, with where to find it", one)
     check("1 of 7 students handed in nothing, and gets no file" in one.said
           and "Eve Fox (1007): not collected: w.7z: 7z archives" in one.said and "Eve" not in str(one.files),
           "so is who handed in nothing, and whose work was not collected", one)
@@ -152,7 +152,7 @@ def the_worksheet_has_other_numbers(top):
     check(sorted(moodle_reads(one.files or [], range(100))) == [71, 72, 73, 74, 76]
           and one.of("_74_").startswith("Feedback for Tom Jarvis (1004)") and "no name" not in one.said
           and "Stranger" not in one.said,
-          "who has no name from the download has Moodle's number from the grading worksheet", one)
+          "students without a name from the download get Moodle's number from the worksheet", one)
     write(WORKSHEET.replace("Participant 74", "Someone"), one.path("worksheet.csv"))
     one.zip("--template", one.path("worksheet.csv"))
     check(one.status == 1 and "is known for Tom Jarvis (1004)" in one.said,

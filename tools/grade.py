@@ -62,7 +62,7 @@ class Suite:
         self.unit_program, self.claims_together = None, []
         self.finds_leaks, self.is_own, self.remarks = False, True, []
         self.needed_objects, self.excused, self.not_graded = [], set(), ""
-        self.is_slow = False  # then tests are no more run together
+        self.is_slow = False  # from then on its tests run one by one
 
     def passed(self):
         return all(self.verdicts[test.name].passed for test in self.tests)
@@ -319,7 +319,7 @@ def run_test(toolchain, suite, test, seconds, megabytes, record=None):
 
 def hold_together(toolchain, suite, tests, seconds, megabytes):
     """Runs several scored tests with one process of the unit, and fills in their verdicts if all hold and
-    nothing is to be said of any. Returns whether it did; a process for each costs several times as much."""
+    nothing is to be said of any. Returns whether it did."""
     if suite.is_slow or len(tests) < 2:
         return False
     outcome = judged.run(toolchain, suite.feature.stem, [test.name for test in tests], suite.unit_program,

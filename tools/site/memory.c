@@ -7,8 +7,8 @@
  *   - pages of 4 KiB that mprotect closed, or that nothing has touched yet (mincore). A closed page
  *     calls the handler of SIGSEGV, as a processor does.
  *
- * The compiler itself keeps what lies beside the variables of units, on the stack. The kit's own
- * objects are not checked. */
+ * The margins of variables on the stack are kept by the compiler itself. The kit's own objects are
+ * not checked. */
 #include "page.h"
 
 #include <errno.h>
