@@ -154,6 +154,31 @@ static __attribute__((noinline)) uint32_t lanes_behind(const packet *p, const rk
     return lanes & behind;
 }
 
+/* Of one triangle and sixteen rays; see `prepared`. */
+typedef struct lane_determinants {
+    rk_f16 u, v, w, det;
+} lane_determinants;
+
+RK_INLINE lane_determinants lane_determinants_of(const packet *p, const prepared *t, uint32_t i)
+{
+    const rk_f16 zero = rk_f16_all(0);
+    lane_determinants d;
+    d.u = rk_f16_sub(zero, f16x3_dot(p->direction, f16x3_of(t->ac_a, i)));
+    d.v = f16x3_dot(p->direction, f16x3_of(t->ab_a, i));
+    if (p->size > 0) { /* else all rays start at the centre, and their moments are 0 */
+        d.u = rk_f16_add(d.u, f16x3_dot(p->moment, f16x3_of(t->ac, i)));
+        d.v = rk_f16_sub(d.v, f16x3_dot(p->moment, f16x3_of(t->ab, i)));
+    }
+    d.det = rk_f16_sub(zero, f16x3_dot(p->direction, f16x3_of(t->normal, i)));
+    d.w = rk_f16_sub(rk_f16_sub(d.det, d.u), d.v);
+    return d;
+}
+
+RK_INLINE rk_f16 lane_t_of(const packet *p, const prepared *t, uint32_t i)
+{
+    return rk_f16_sub(f16x3_dot(p->origin, f16x3_of(t->normal, i)), rk_f16_all(t->plane[i]));
+}
+
 /* The lanes that may hit a triangle, and those that certainly pass through its front or back. */
 typedef struct passes {
     uint32_t may, front, back;
@@ -168,8 +193,7 @@ RK_INLINE void hit_lanes(packet *p, query kind, const rk_wide_bvh *wide, const p
     const rk_f16 det = pass->det;
     const rk_f16 zero = rk_f16_all(0), bound = rk_f16_all(block->bound[i]);
     const rk_f16 t_bound = rk_f16_all(block->t_bound[i]), t_max = rk_f16_load(p->far);
-    rk_f16 t =
-        rk_f16_sub(f16x3_dot(p->origin, f16x3_of(block->normal, i)), rk_f16_all(block->plane[i]));
+    rk_f16 t = lane_t_of(p, block, i);
     t = rk_f16_select(back, rk_f16_sub(zero, t), t);
     rk_f16 near =
         rk_f16_mul(rk_f16_div(rk_f16_sub(t, t_bound), rk_f16_add(det, bound)), rk_f16_all(below_1));
@@ -202,7 +226,6 @@ RK_INLINE void hit_lanes(packet *p, query kind, const rk_wide_bvh *wide, const p
 RK_INLINE void lanes_in_block(packet *p, query kind, const rk_wide_bvh *wide,
                               const rk_wide_block *block, uint32_t lanes)
 {
-    const rk_f16 zero = rk_f16_all(0);
     prepared t;
     passes pass[RK_WIDE_BLOCK];
     uint32_t some = 0;
@@ -210,16 +233,11 @@ RK_INLINE void lanes_in_block(packet *p, query kind, const rk_wide_bvh *wide,
 #pragma GCC unroll 4
     for (uint32_t i = 0; i < RK_WIDE_BLOCK; i++) {
         const rk_f16 bound = rk_f16_all(t.bound[i]), minus = rk_f16_all(-t.bound[i]);
-        rk_f16 u = rk_f16_sub(zero, f16x3_dot(p->direction, f16x3_of(t.ac_a, i)));
-        rk_f16 v = f16x3_dot(p->direction, f16x3_of(t.ab_a, i));
-        if (p->size > 0) { /* else all rays start at the centre, and their moments are 0 */
-            u = rk_f16_add(u, f16x3_dot(p->moment, f16x3_of(t.ac, i)));
-            v = rk_f16_sub(v, f16x3_dot(p->moment, f16x3_of(t.ab, i)));
-        }
-        rk_f16 det = rk_f16_sub(zero, f16x3_dot(p->direction, f16x3_of(t.normal, i)));
-        rk_f16 w = rk_f16_sub(rk_f16_sub(det, u), v);
-        rk_f16 lowest = rk_f16_min(u, rk_f16_min(v, w)), highest = rk_f16_max(u, rk_f16_max(v, w));
-        pass[i].det = rk_f16_abs(det);
+        const lane_determinants d = lane_determinants_of(p, &t, i);
+        const rk_f16 half_w = rk_f16_mul(d.w, rk_f16_all(part_of_w));
+        rk_f16 lowest = rk_f16_min(d.u, rk_f16_min(d.v, half_w));
+        rk_f16 highest = rk_f16_max(d.u, rk_f16_max(d.v, half_w));
+        pass[i].det = rk_f16_abs(d.det);
         pass[i].may = lanes & ~(rk_f16_lt(lowest, minus) & rk_f16_lt(bound, highest));
         pass[i].front = rk_f16_lt(bound, lowest);
         pass[i].back = rk_f16_lt(highest, minus);
