@@ -92,7 +92,7 @@ const char *rk_mistake_in(double got, double want, double tolerance, const rk_mi
     for (const rk_mistake *it = known; it && it->said && got != 0; it++)
         if (is_mistake(got, it->value, want, tolerance) &&
             is_alone(it, known, tolerance_around(it->value, want, tolerance)))
-            return sentence(RK_EXACTLY_IF "%s", it->said);
+            return sentence(RK_EXAMPLE_IF "%s", it->said);
     if (!is_telling(got) || !is_telling(want) || !is_fine(want, tolerance))
         return "";
     return common_mistake(got, want, tolerance);
@@ -113,7 +113,7 @@ const char *rk_mistake_in_whole(long long got, long long want, const rk_mistake 
     enum { few = 8 }; /* small counts are often twice or half of one another */
     for (const rk_mistake *it = known; it && it->said && got != 0; it++)
         if ((double)got == it->value && (double)want != it->value && is_alone(it, known, 0))
-            return sentence(RK_EXACTLY_IF "%s", it->said);
+            return sentence(RK_EXAMPLE_IF "%s", it->said);
     bool is_32_bits = got == (long long)(uint32_t)got && want == (long long)(uint32_t)want;
     if (is_32_bits && want > 255 && got != want && (uint32_t)got == reversed_bits((uint32_t)want))
         return "; its 32 bits are those of the wanted in reversed order";
@@ -212,9 +212,11 @@ static bool is_known_vector(const double *got, const rk_vector_mistake *it, cons
 const char *rk_mistake_in_vector(const double *got, const double *want, double tolerance,
                                  const rk_vector_mistake *known)
 {
+    if (length_of(got) == 0)
+        return "";
     for (const rk_vector_mistake *it = known; it && it->said; it++)
         if (is_known_vector(got, it, want, tolerance, known))
-            return sentence(RK_EXACTLY_IF "%s", it->said);
+            return sentence(RK_EXAMPLE_IF "%s", it->said);
     int telling = is_telling(want[0]) + is_telling(want[1]) + is_telling(want[2]);
     if (telling < 2 || !is_fine(length_of(want), tolerance))
         return "";

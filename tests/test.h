@@ -41,10 +41,10 @@ void rk_claim_failed(const char *file, int line, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
 /* Begins what is said of a value that a known mistake gives. */
-#define RK_EXACTLY_IF "; you get exactly this if "
+#define RK_EXAMPLE_IF "; you get this, for example, if "
 
 /* A mistake that people make: the value that comes of it, and what is wrong, as a clause that goes
- * on after "you get exactly this if": "the aperture is taken as the radius". */
+ * on after "you get this, for example, if": "the aperture is taken as the radius". */
 typedef struct rk_mistake {
     double value;
     const char *said;

@@ -527,11 +527,11 @@ static const char *mistake_of_weights(const float *got, const float *want, uint3
         is_small &= got[k] == ldexpf(want[k], -(int)radius);
     }
     if (is_large)
-        return RK_EXACTLY_IF "the row is divided by 2^r, not by its sum 4^r";
+        return RK_EXAMPLE_IF "the row is divided by 2^r, not by its sum 4^r";
     if (is_reversed)
-        return RK_EXACTLY_IF "the weights are in the opposite order: weight 0 is the "
+        return RK_EXAMPLE_IF "the weights are in the opposite order: weight 0 is the "
                              "middle's";
-    return is_small ? RK_EXACTLY_IF "the row is divided by 8^r, not by its sum 4^r" : "";
+    return is_small ? RK_EXAMPLE_IF "the row is divided by 8^r, not by its sum 4^r" : "";
 }
 
 static void small_filters_are_rows_of_pascals_triangle(void **state)
@@ -695,7 +695,7 @@ static void check_reach(const float *weights, uint32_t radius, uint32_t want, co
         one_sided--;
     rk_check(reach == want, "radius %u, weights of no binomial: got a reach of %u, want %u: %s%s",
              radius, reach, want, hint,
-             reach == one_sided && reach != want ? RK_EXACTLY_IF
+             reach == one_sided && reach != want ? RK_EXAMPLE_IF
                  "the weights left out are summed of one side only"
                                                  : "");
 }

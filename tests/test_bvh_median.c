@@ -192,6 +192,18 @@ static void no_triangles_give_a_tree_without_nodes(void **state)
     rk_mesh_free(&mesh);
 }
 
+static void check_box(uint32_t node, rk_box got_box, rk_box want_box)
+{
+    for (int i = 0; i < 2; i++) {
+        rk_vec3 got = got_box.corner[i], want = want_box.corner[i];
+        rk_check(got.x == want.x && got.y == want.y && got.z == want.z,
+                 "node %u: the %s corner of its box: got (%.9g, %.9g, %.9g), want (%.9g, %.9g, "
+                 "%.9g): the smallest box around all its triangles grows from rk_box_empty()",
+                 node, i ? "highest" : "lowest", (double)got.x, (double)got.y, (double)got.z,
+                 (double)want.x, (double)want.y, (double)want.z);
+    }
+}
+
 static void up_to_four_triangles_are_one_leaf(void **state)
 {
     (void)state;
@@ -201,6 +213,7 @@ static void up_to_four_triangles_are_one_leaf(void **state)
         rk_check_equal(bvh.nodes[0].count, n,
                        "up to RK_BVH_LEAF_TARGET triangles, the root is a leaf with all of them");
         rk_check_equal(rk_bvh_measure(&bvh).levels, 1, "a root that is a leaf is one level");
+        check_box(0, bvh.nodes[0].box, rk_mesh_bounds(&mesh));
         rk_bvh_free(&bvh);
         rk_mesh_free(&mesh);
     }
@@ -360,14 +373,7 @@ static below check_median(const rk_bvh *bvh, const rk_mesh *mesh, uint32_t index
                  index, all.count, low.triangle, high.triangle, "xyz"[axis], (double)low.centroid,
                  (double)high.centroid, low.triangle, high.triangle);
     }
-    for (int i = 0; i < 2; i++) {
-        rk_vec3 got = node->box.corner[i], want = all.box.corner[i];
-        rk_check(got.x == want.x && got.y == want.y && got.z == want.z,
-                 "node %u: the %s corner of its box: got (%.9g, %.9g, %.9g), want (%.9g, %.9g, "
-                 "%.9g): the smallest box around all its triangles grows from rk_box_empty()",
-                 index, i ? "highest" : "lowest", (double)got.x, (double)got.y, (double)got.z,
-                 (double)want.x, (double)want.y, (double)want.z);
-    }
+    check_box(index, node->box, all.box);
     return all;
 }
 

@@ -290,7 +290,7 @@ def reasons_are_not_merged(folder):
     rows = class_page.read_wrong(SOURCE, FEATURES["bloom"])
     tests = [test.name for test in read_points(FEATURES["bloom"])]
     claim = next(row.mutant.fails[0] for row in rows if tests.index(row.mutant.fails[0]) > 0)
-    mistake = "; you get exactly this if the row is divided by "
+    mistake = "; you get this, for example, if the row is divided by "
     reasons = [f"got 1, want 2{mistake}2^r", f"got 3, want 2{mistake}8^r", f"got 4, want 9: of another row"
                f"{mistake}8^r", f"got 3, want 2{mistake}8^r\nyour code printed: hello"]
     put(results, [stuck_at(claim, reason, f"s{number}") for number, reason in enumerate(reasons)])

@@ -622,9 +622,9 @@ static const char *mistake_below(const rk_cubemap *map, int face, double x, doub
     if (!(off > 0))
         return "";
     if (is_mistake(got, narrow(combine(first, 2, next, -1)), want, tolerance))
-        return RK_EXACTLY_IF "x or y is cut towards 0, as by (int): floorf turns -0.3 into -1";
+        return RK_EXAMPLE_IF "x or y is cut towards 0, as by (int): floorf turns -0.3 into -1";
     if (is_mistake(got, narrow(combine(other, off, first, 1 - off)), want, tolerance))
-        return RK_EXACTLY_IF "the face begins again at its other edge";
+        return RK_EXAMPLE_IF "the face begins again at its other edge";
     return "";
 }
 
@@ -634,18 +634,18 @@ static const char *mistake_of_mix(const rk_cubemap *map, int face, double x, dou
 {
     const rk_vec3 want = under_tents(map, face, x, y);
     const double last = map->side - 1, i = floor(x), j = floor(y), s = x - i, t = y - j;
-    const char *cut = RK_EXACTLY_IF "i or j is cut towards 0, as by (int), but s and t are not: "
+    const char *cut = RK_EXAMPLE_IF "i or j is cut towards 0, as by (int), but s and t are not: "
                                     "floorf turns -0.3 into -1";
     const struct {
         double x, y;
         const char *said;
     } mistakes[] = {
-        {y, x, RK_EXACTLY_IF "u and v are exchanged"},
-        {i + t, j + s, RK_EXACTLY_IF "s and t are exchanged, or i and j in texels[j][i]"},
-        {j + s, i + t, RK_EXACTLY_IF "the quad's i and j are exchanged"},
-        {last - x, y, RK_EXACTLY_IF "columns are counted from the right"},
-        {x, last - y, RK_EXACTLY_IF "rows are counted from the top, but v runs upwards"},
-        {x + 0.5, y + 0.5, RK_EXACTLY_IF "the half in x = n u - 1/2 is missing"},
+        {y, x, RK_EXAMPLE_IF "u and v are exchanged"},
+        {i + t, j + s, RK_EXAMPLE_IF "s and t are exchanged, or i and j in texels[j][i]"},
+        {j + s, i + t, RK_EXAMPLE_IF "the quad's i and j are exchanged"},
+        {last - x, y, RK_EXAMPLE_IF "columns are counted from the right"},
+        {x, last - y, RK_EXAMPLE_IF "rows are counted from the top, but v runs upwards"},
+        {x + 0.5, y + 0.5, RK_EXAMPLE_IF "the half in x = n u - 1/2 is missing"},
         {x < 0 ? x + 1 : x, y, cut},
         {x, y < 0 ? y + 1 : y, cut},
         {x < 0 ? x + 1 : x, y < 0 ? y + 1 : y, cut},

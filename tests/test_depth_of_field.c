@@ -232,10 +232,10 @@ static const char *mistake_of_ray(const rk_lens *lens, const rk_view *view, rk_v
                         : "; it meets the focal plane there: is the focal distance measured along "
                           "view.forward, not along the ray?";
     if (distance_to(ray, rk_dmadd(focus, offset, 2)) <= 4 * tolerance)
-        return RK_EXACTLY_IF "the offset on the lens is added to the way to the focus, not "
+        return RK_EXAMPLE_IF "the offset on the lens is added to the way to the focus, not "
                              "subtracted";
     if (distance_to(ray, rk_dmadd(focus, offset, 1)) <= 4 * tolerance)
-        return RK_EXACTLY_IF "the ray keeps the pinhole's direction";
+        return RK_EXAMPLE_IF "the ray keeps the pinhole's direction";
     return "";
 }
 
@@ -815,11 +815,11 @@ typedef enum marking {
 } marking;
 
 static const char *const markings[] = {
-    [ROWS_ALONE] = RK_EXACTLY_IF "sums run along rows alone, not along columns too (step 5)",
-    [COLUMNS_ALONE] = RK_EXACTLY_IF "sums run along columns alone, not along rows too (step 5)",
-    [ROUNDED_DOWN] = RK_EXACTLY_IF "half the diameter is rounded down, not up",
-    [DIAMETER] = RK_EXACTLY_IF "circles reach as far as their diameter, not their radius",
-    [HALF_IS_SHARP] = RK_EXACTLY_IF "a diameter of exactly half a pixel counts as a point",
+    [ROWS_ALONE] = RK_EXAMPLE_IF "sums run along rows alone, not along columns too (step 5)",
+    [COLUMNS_ALONE] = RK_EXAMPLE_IF "sums run along columns alone, not along rows too (step 5)",
+    [ROUNDED_DOWN] = RK_EXAMPLE_IF "half the diameter is rounded down, not up",
+    [DIAMETER] = RK_EXAMPLE_IF "circles reach as far as their diameter, not their radius",
+    [HALF_IS_SHARP] = RK_EXAMPLE_IF "a diameter of exactly half a pixel counts as a point",
 };
 
 /* What the circle of one pixel adds to another. */
@@ -899,7 +899,7 @@ static const char *mistake_of_counts(const picture *p, const int32_t *counts)
             return markings[by];
     }
     if (pixels > 100 && rows_are_too_short(p, counts))
-        return RK_EXACTLY_IF "a row of coc_count is width long somewhere, not width + 1 (step 5)";
+        return RK_EXAMPLE_IF "a row of coc_count is width long somewhere, not width + 1 (step 5)";
     return "";
 }
 

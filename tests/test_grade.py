@@ -431,6 +431,11 @@ def a_woven_page_is_read_where_there_is_one(folder):
         check(said.startswith("file:///") and
               said.endswith(f"a%20kit/docs/{room}/book/boxes-of-all.html#boxes"),
               f"the page in docs/{room} is named for a click, its own section in it", said)
+    tap.write('window.raykitPlaces = {\n"boxes":"more.html"\n};\n', os.path.dirname(page), "places.js")
+    tap.write("", os.path.dirname(page), "more.html")
+    said = feature.where_to_read("#boxes")
+    check(said.endswith("docs/out/book/more.html#boxes"),
+          "where a section has a page of its own, that is named", said)
 
 
 def a_report_is_written_whole(suites, folder):
@@ -709,6 +714,27 @@ def the_editors_files_name_what_there_is(folder):
     check(not SOLVED or found and all(os.path.isfile(os.path.join(SOURCE, match[1]))
                                       and match[5].partition(":")[0] in names for match in found),
           "and lists each claim that fails as a problem, at its place", said)
+
+
+def clang_warns_of_no_folder():
+    kept = build.flags_of_text(["-Isrc", "-O1", "-I", "tests", "-include", "base/filled.h", "-Wall"])
+    check(kept == ["-O1", "-Wall"], "a unit's text is compiled without what its preprocessor needs", kept)
+
+
+def what_has_no_value_is_filled(toolchain, folder):
+    """So that it does not happen to be the right one: a box that grows from nothing, and any number."""
+    if not toolchain.fill:
+        tried = subprocess.run([*toolchain.compiler, "-ftrivial-auto-var-init=pattern", "-fsyntax-only",
+                                "-xc", os.devnull], capture_output=True, check=False)
+        check(tried.returncode, "no variable is filled, because this compiler cannot", toolchain.compiler)
+        return
+    first, = [test for test in read_points(FEATURE) if test.name == "up_to_four_triangles_are_one_leaf"]
+    text = unit("volatile unsigned fresh;\n    if (fresh != 0xfefefefe && fresh != 0xaaaaaaaa) abort();")
+    number = make_suite(folder, "number", text, [ScoredTest(EMPTY, 1, "#")])
+    box = make_suite(folder, "box", REFERENCE.replace("rk_box box = rk_box_empty();", "rk_box box;"), [first])
+    grade.grade(toolchain, [number, box], {}, seconds=60)
+    check(number.passed() and not box.passed(), "a variable without a value has no right one",
+          results.text([number, box], ""))
 
 
 def what_held_is_watched(toolchain, folder):
@@ -1286,6 +1312,8 @@ def main():
         what_is_not_handed_in_earns_nothing(os.path.join(folder, "odd"))
         statuses_tell_what_was_graded(folder)
         two_gradings_at_once(folder)
+        clang_warns_of_no_folder()
+        what_has_no_value_is_filled(toolchain, folder)
         what_held_is_watched(toolchain, folder)
         a_driver_is_linked(folder)
         a_single_file_has_places(folder)

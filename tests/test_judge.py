@@ -67,7 +67,8 @@ def every_suite_can_be_judged_apart_or_says_why():
         check(not unknown, f"{stem}: what its judge leaves out are claims", str(unknown))
         count, worth = count + len(together), worth + sum(points.get(name, 0) for name in together)
     told = f"{count} claims, worth {worth} of {100 * len(FEATURES):,} points"
-    check(told in read(SOURCE, "docs", "tools.md") and f"of {count} claims" in read(SOURCE, "README.md"),
+    check(told in read(SOURCE, "docs", "tools.md")
+          and f"of {count} claims" in read(SOURCE, "docs", "teaching.md"),
           "the texts say how many claims are not judged apart", told)
 
 

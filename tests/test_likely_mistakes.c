@@ -48,6 +48,9 @@ static void nothing_is_said_of_0_and_1(void **state)
             check_said(rk_mistake_in(ends[k] + 1, ends[i], 0, NULL), NULL);
         }
     check_said(rk_mistake_in(0, 0.3, 1e-9, RK_MISTAKES({0, "it is not added"})), NULL);
+    check_said(rk_mistake_in_vector((const double[3]){0}, (const double[]){0, 0.5, 0.5}, 1e-9,
+                                    RK_VECTOR_MISTAKES({{0, 0, 0}, "it is cut off"})),
+               NULL);
     check_said(rk_mistake_in_whole(2, 1, NULL), NULL);
     check_said(rk_mistake_in_whole(0, 100, NULL), NULL);
     check_said(rk_mistake_in_vector((const double[]){0, 1, 0}, (const double[]){1, 0, 0}, 0, NULL),
@@ -59,9 +62,9 @@ static void a_suites_own_mistakes_come_first(void **state)
     (void)state;
     const rk_mistake *own = RK_MISTAKES({0.6, "the aperture is taken as the radius"}, {1, "all"});
     check_said(rk_mistake_in(0.6, 0.3, 1e-9, own),
-               RK_EXACTLY_IF "the aperture is taken as the radius");
-    check_said(rk_mistake_in(1, 0.3, 1e-9, own), RK_EXACTLY_IF "all");
-    check_said(rk_mistake_in_whole(1, 3, own), RK_EXACTLY_IF "all");
+               RK_EXAMPLE_IF "the aperture is taken as the radius");
+    check_said(rk_mistake_in(1, 0.3, 1e-9, own), RK_EXAMPLE_IF "all");
+    check_said(rk_mistake_in_whole(1, 3, own), RK_EXAMPLE_IF "all");
     check_said(rk_mistake_in(0.15, 0.3, 1e-9, own), "half the wanted");
 }
 
@@ -81,14 +84,14 @@ static void a_mistake_is_as_exact_as_its_own_size_asks(void **state)
     const rk_mistake *small = RK_MISTAKES({23.8, "it is divided by f"});
     check_said(rk_mistake_in(5.8e25, 4.3e31, 4.3e26, small), NULL);
     check_said(rk_mistake_in(24.8, 4.3e31, 4.3e26, small), NULL);
-    check_said(rk_mistake_in(23.8001, 4.3e31, 4.3e26, small), RK_EXACTLY_IF "it is divided by f");
+    check_said(rk_mistake_in(23.8001, 4.3e31, 4.3e26, small), RK_EXAMPLE_IF "it is divided by f");
     check_said(rk_mistake_in(1 / 3e14, 3e14, 1e5, NULL), "1 over");
     check_said(rk_mistake_in(2.5, 3e14, 1e5, NULL), NULL);
     const rk_vector_mistake *short_one = RK_VECTOR_MISTAKES({{0.5, 0, 0}, "it is normalized"});
     const double large[] = {4e6, 0, 0};
     check_said(rk_mistake_in_vector((const double[]){0.7, 0.1, 0}, large, 1, short_one), NULL);
     check_said(rk_mistake_in_vector((const double[]){0.5, 0, 0}, large, 1, short_one),
-               RK_EXACTLY_IF "it is normalized");
+               RK_EXAMPLE_IF "it is normalized");
 }
 
 static void mistakes_that_cannot_be_told_apart_are_not_named(void **state)
@@ -97,8 +100,8 @@ static void mistakes_that_cannot_be_told_apart_are_not_named(void **state)
     const rk_mistake *alike = RK_MISTAKES({0.7, "a is added"}, {0.7 + 1e-10, "b is added"});
     const rk_mistake *same = RK_MISTAKES({0.7, "a is added"}, {0.7 + 1e-10, "a is added"});
     check_said(rk_mistake_in(0.7, 0.4, 1e-9, alike), NULL);
-    check_said(rk_mistake_in(0.7, 0.4, 1e-12, alike), RK_EXACTLY_IF "a is added");
-    check_said(rk_mistake_in(0.7, 0.4, 1e-9, same), RK_EXACTLY_IF "a is added");
+    check_said(rk_mistake_in(0.7, 0.4, 1e-12, alike), RK_EXAMPLE_IF "a is added");
+    check_said(rk_mistake_in(0.7, 0.4, 1e-9, same), RK_EXAMPLE_IF "a is added");
     check_said(rk_mistake_in_whole(3, 5, RK_MISTAKES({3, "a is added"}, {3, "b is added"})), NULL);
     const double got[] = {1, 2, 3}, want[] = {4, 5, 7};
     check_said(rk_mistake_in_vector(got, want, 1e-9,
@@ -140,7 +143,7 @@ static void vectors_are_exchanged_turned_or_too_long(void **state)
         check_said(rk_mistake_in_vector(cases[i].got, cases[i].want, 1e-9, NULL), cases[i].part);
     check_said(rk_mistake_in_vector(bright, want, 1e-9,
                                     RK_VECTOR_MISTAKES({{4, 0.5, 0.25}, "the light is added"})),
-               RK_EXACTLY_IF "the light is added");
+               RK_EXAMPLE_IF "the light is added");
 }
 
 /* Twelve mistakes, each with 2e-5 of the range of numbers around it: fewer than one in a thousand.

@@ -46,12 +46,12 @@ static uint32_t selected(const uint32_t *v, uint32_t index)
 static const char *mistake_of_point(const uint32_t *v, uint32_t index, uint32_t got)
 {
     if (got == selected(v, rk_reverse_bits(index)))
-        return RK_EXACTLY_IF "the index's digits are read from the highest one";
+        return RK_EXAMPLE_IF "the index's digits are read from the highest one";
     if (got == selected(v, index ^ index >> 1))
-        return RK_EXACTLY_IF "the index's Gray code selects the numbers: that is another "
+        return RK_EXAMPLE_IF "the index's Gray code selects the numbers: that is another "
                              "order of the points";
     if (got == selected(v, ~index))
-        return RK_EXACTLY_IF "the digits that are 0 select the numbers";
+        return RK_EXAMPLE_IF "the digits that are 0 select the numbers";
     if (got == selected(v, index + 1) || got == selected(v, index - 1))
         return "; it is the point of the index beside it";
     return got == rk_reverse_bits(selected(v, index)) ? "; its digits are in reversed order" : "";
@@ -569,9 +569,9 @@ static const char *mistake_of_numbers(void)
         last_first &= (bits ^ beside) == 1u << 23;
     }
     if (last_first)
-        return RK_EXACTLY_IF "a number is scrambled from its last digit on: is it reversed "
+        return RK_EXAMPLE_IF "a number is scrambled from its last digit on: is it reversed "
                              "before?";
-    return not_reversed ? RK_EXACTLY_IF "the bits are not reversed back after scrambling" : "";
+    return not_reversed ? RK_EXAMPLE_IF "the bits are not reversed back after scrambling" : "";
 }
 
 /* Of two samples the flips agree up to and with the first digit that differs in the sequence. */
@@ -1056,12 +1056,12 @@ static const char *mistake_of_order(void)
         beside &= rk_morton_index(0, y) == y << 16;
     }
     if (exchanged)
-        return RK_EXACTLY_IF "the digits of y come first, at even places: x and y are "
+        return RK_EXAMPLE_IF "the digits of y come first, at even places: x and y are "
                              "exchanged";
     if (along_rows)
-        return RK_EXACTLY_IF "pixels follow one another along a row, as in memory";
+        return RK_EXAMPLE_IF "pixels follow one another along a row, as in memory";
     if (beside)
-        return RK_EXACTLY_IF "the digits of y stand beside those of x, and do not alternate";
+        return RK_EXAMPLE_IF "the digits of y stand beside those of x, and do not alternate";
     return "";
 }
 

@@ -131,6 +131,14 @@ def verdicts_are_kept(root):
             check("survives" in str(fault), "a survivor is told each time", fault)
 
 
+def some_mutants_are_spread():
+    check(check_suites.spread(list(range(10)), 4) == [0, 2, 5, 7],
+          "a quick look takes mutants from the whole file")
+    check(check_suites.spread([1, 2], 4) == [1, 2] == check_suites.spread([1, 2], 0)
+          and not check_suites.spread([], 4),
+          "and all where there are no more, or no number is said")
+
+
 def messages_are_compared(root):
     put(root, "tests/suite.h", FILES["tests/suite.h"])
     put(root, "assignments/01_fog/points.tsv", "test\tpoints\ndoubles\t100\n")
@@ -157,6 +165,7 @@ def main():
         first = every_input_is_seen(root)
         put(root, "fog.mutants", MUTANTS)
         verdicts_are_kept(root)
+        some_mutants_are_spread()
         messages_are_compared(root)
         moved = root.with_name("kit-2")
         os.chdir(here)

@@ -22,6 +22,7 @@ mistakes that people made, not random ones.
 
 RAYKIT_VERDICTS names a folder in which killed mutants are noted by the digest of all that decides it, so
 that later runs need not kill them again; FRESH=1 kills all of them anew (tools/grading/verdict_store.py).
+MUTANTS=4 tries so many of each feature's mutants, spread over its file: a quick look, no proof.
 
 Prints a line for each feature and each fault; the exit status is 0 if there is none. The build
 tells by RAYKIT_COMPILE and RAYKIT_LINK how it compiles and links, and by RAYKIT_LIBS with what.
@@ -99,6 +100,12 @@ def read_table(path):
 def includes_of(text):
     """Returns a unit's preprocessor lines, on which it depends which files it includes."""
     return re.findall(r"^\s*#.*$", text, re.MULTILINE)
+
+
+def spread(items, most):
+    """Returns at most so many of the items, in even distances; all of them for 0."""
+    count = min(most or len(items), len(items))
+    return [items[i * len(items) // count] for i in range(count)]
 
 
 def _with_points(rows):
@@ -191,6 +198,7 @@ class Feature:
         self.mutants_file = root / "tests" / "mutants" / f"{self.stem}.mutants"
         self.needs = f"{row['needs']} {row['uses']}".split()  # here all are the kit's
         self.faults, self.notes = [], []
+        self.most = 0  # mutants; 0: all
 
     def prepare(self):
         """Builds the objects common to all programs, and the reference; finds the tests' names."""
@@ -433,7 +441,8 @@ class Feature:
 
     def jobs(self):
         """Returns the functions that check this feature, in any order and at once."""
-        self.mutants, self.listed = self.read_mutants(), []
+        self.known = self.read_mutants()
+        self.mutants, self.listed = spread(self.known, self.most), []
         if self.points.exists():
             self.listed = assignments.read_points(assignments.read_features(str(self.root))[self.stem])
         jobs = [self.check_starter, self.check_handout, self.check_order]
@@ -459,8 +468,9 @@ class Feature:
         for line in self.notes + self.faults:
             print(f"{self.stem}: {line}")
         verdict = f"faults: {len(self.faults)}" if self.faults else "ok"
+        left = len(self.known) - len(self.mutants)
         print(f"{self.stem}: {len(self.tests)} tests, {self.killed} of {len(self.mutants)} mutants "
-              f"killed: {verdict}")
+              f"killed{f', {left} not tried' if left else ''}: {verdict}")
 
 
 def check(features, progress):
@@ -485,7 +495,9 @@ def main():
         prog="make check-suites", formatter_class=argparse.RawDescriptionHelpFormatter,
         description=__doc__)
     parser.add_argument("stems", nargs="*", metavar="STEM", help="only these features")
-    stems = parser.parse_args().stems
+    parser.add_argument("--mutants", type=int, default=0, metavar="N", help="of each feature; all without it")
+    arguments = parser.parse_args()
+    stems = arguments.stems
     root = pathlib.Path(__file__).resolve().parent.parent
     rows = read_table(root / "assignments" / "features.tsv")
     known = [row["stem"] for row in rows]
@@ -501,6 +513,8 @@ def main():
         builder = Builder(pathlib.Path(folder), store)
         features = [Feature(row, root, builder, progress) for row in rows
                     if not stems or row["stem"] in stems]
+        for feature in features:
+            feature.most = arguments.mutants
         try:
             check(features, progress)
         except Fault as fault:

@@ -67,6 +67,7 @@ class Toolchain:
         self.flags = ["-I" + os.path.join(self.source, "src"), *shlex.split(values["flags"]), "-Wno-error"]
         self.base_sanitize = shlex.split(values["base_sanitize"])
         self.sanitize = shlex.split(values["sanitize"])
+        self.fill = shlex.split(values["fill"])  # variables that are given no value
         self.grade_link = shlex.split(values["grade_link"])
         self.link_flags = shlex.split(values["link_flags"])
         self.drivers = values["drivers"].split()  # the objects of all, from the build folder
@@ -173,19 +174,31 @@ def compile_unit(toolchain, unit, folder, extra_flags=()):
         _refuse(unit, unit_rules.fault_in_source(text, lambda name: _with_line(unit, name)))
         constants = volatile_constants.names_in(text)
         flags += ["-fdata-sections"] if constants else []
+    of_text = flags if unit.is_reference else flags_of_text(flags)
     with concurrent.futures.ThreadPoolExecutor(1) as pool:
         is_at_home = not unit.is_reference and not toolchain.judges
         layout = pool.submit(_about_layout, toolchain, unit, folder, flags) if is_at_home else None
-        warnings = _assemble(toolchain, unit, folder, [*flags, *(_NO_LAYOUT if layout else []), "-S", source],
-                             base)
+        warnings = _assemble(toolchain, unit, folder,
+                             [*of_text, *(_NO_LAYOUT if layout else []), "-S", source], base)
     if layout:
         warnings = "\n".join(filter(None, [layout.result(), warnings]))
     if not unit.is_reference:
         _refuse(unit, unit_rules.fault_in_assembly(_read(base + ".s")))
     if constants:
         volatile_constants.place(base + ".s", constants)
-    _compile(toolchain, unit, folder, [*flags, "-c", base + ".s", "-o", base + ".o"])
+    _compile(toolchain, unit, folder, [*of_text, "-c", base + ".s", "-o", base + ".o"])
     return base + ".o", warnings
+
+
+def flags_of_text(flags):
+    """Returns the flags without those for the preprocessor, of which clang warns where it has none to run."""
+    kept, left = [], iter(flags)
+    for flag in left:
+        if flag in ("-I", "-include"):
+            next(left, None)
+        elif not flag.startswith("-I"):
+            kept.append(flag)
+    return kept
 
 
 _LAYOUT = "misleading-indentation", "empty-body"

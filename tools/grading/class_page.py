@@ -16,7 +16,7 @@ _NOT_BEGUN, _NOTHING_RAN, _STILL_STUCK, _NOT_GRADED, _NOT_COLLECTED, _MISSING = 
     "handed in what was not collected", "handed in nothing")
 _PICTURE_MAX = 200_000  # bytes
 _REASONS = 6  # at one claim
-_EXACTLY = re.compile(r"; you get exactly this if (.+)")  # RK_EXACTLY_IF of tests/test.h
+_EXAMPLE = re.compile(r"; you get this, for example, if (.+)")  # RK_EXAMPLE_IF of tests/test.h
 _NO_PICTURE = ("did not end ", "crashed: ", "undefined behaviour: ", "goes beyond ", "used more than ",
                "printed ")
 
@@ -85,9 +85,9 @@ class Work:
 def _mistake_in(reason):
     """Returns what two reasons share that tell of the same mistake: what a wrong number says of it, else the
     whole text, but for the limit of a time."""
-    exactly = _EXACTLY.search(reason)
-    if exactly:
-        return exactly[1]
+    example = _EXAMPLE.search(reason)
+    if example:
+        return example[1]
     if reason.startswith("did not end within "):
         return "did not end", "MB of memory" in reason
     return reason
@@ -136,7 +136,7 @@ class Assignment:
             if work.stuck_at and work.stuck_at["name"] == claim:
                 text = work.stuck_at["reason"].split("\n")[0]
                 groups.setdefault(_mistake_in(text), []).append(text)
-        found = [(texts[0], len(texts), bool(_EXACTLY.search(texts[0])) or texts[0].startswith(_NO_PICTURE))
+        found = [(texts[0], len(texts), bool(_EXAMPLE.search(texts[0])) or texts[0].startswith(_NO_PICTURE))
                  for texts in groups.values()]
         return sorted(found, key=lambda group: -group[1])
 
@@ -220,7 +220,7 @@ def _section(assignment, claim):
     feature, test = assignment.feature, assignment.tests.get(claim)
     if not test or not test.section:
         return ""
-    page, place = feature.page(), _text(feature.chapter + test.section).replace("#", "<wbr>#")
+    page, place = feature.page(test.section), _text(feature.chapter + test.section).replace("#", "<wbr>#")
     with open(os.path.join(feature.source, feature.chapter), encoding="utf-8") as file:
         heading = re.search(rf"^#+ (.*?) *\{{{re.escape(test.section)}[ }}]", file.read(), re.MULTILINE)
     where = f'<a href="{_text(page.as_uri() + test.section)}">{place}</a>' if page else place

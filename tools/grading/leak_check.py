@@ -6,6 +6,7 @@ places with the remedy.
 """
 
 import filecmp
+import gzip
 import html
 import os
 import re
@@ -49,12 +50,14 @@ def _spaced(text):
 
 def _read_lines(path):
     """The file's lines with normalized spaces; a page's without tags."""
-    with open(path, encoding="utf-8", errors="replace") as file:
+    with (gzip.open if path.endswith(".json.gz") else open)(path, "rt", encoding="utf-8",
+                                                            errors="replace") as file:
         text = file.read()
-    lines = text.split("\n")
+    if path.endswith((".json", ".json.gz")):
+        text = text.replace("\\n", "\n").replace('\\"', '"')
     if path.endswith(".html"):
-        lines = [html.unescape(re.sub("<[^>]*>", "", line)) for line in lines]
-    return [_spaced(line) for line in lines]
+        text = "\n".join(html.unescape(re.sub("<[^>]*>", "", line)) for line in text.split("\n"))
+    return [_spaced(line) for line in text.split("\n")]
 
 
 def secret_lines(source, features):
@@ -103,14 +106,17 @@ def _passages(lines, secrets):
             if len({line for line in lines[number:number + _PASSAGE + 1] if line in secrets}) >= _PASSAGE]
 
 
-def find_secrets(source, pack, features, secrets, common):
-    """Returns "file:line: text" for each line of the pack that gives a solution away. In the
-    solutions' own files that is any of their lines, including common ones; in files that packing
-    made or changed, any that is not common; in the kit's other files, which may contain a line by
-    chance, a passage."""
-    own = {f"{folder}/{feature.stem}.c" for feature in features for folder in ("workbook", "src/features")}
+def find_secrets(source, pack, features, secrets, common, beside=None):
+    """Returns "file:line: text" for each line of the pack, or of a site, that gives a solution away; its
+    folder `beside` is not the kit's. In the solutions' own files that is any of their lines, including
+    common ones; in files that packing made or changed, any that is not common; in the kit's other files,
+    which may contain a line by chance, a passage."""
+    own = {f"{folder}/{feature.stem}.c" for feature in features
+           for folder in ("workbook", "src/features", "starters")}
     found = []
     for name in _files(pack):
+        if beside and name.startswith(beside + os.sep):
+            continue
         lines = _read_lines(os.path.join(pack, name))
         if name in own:
             numbers = [number for number, line in enumerate(lines) if line in secrets]

@@ -47,6 +47,7 @@ def kit_digest(toolchain, features, folder, seconds):
                     digest.add_file(os.path.relpath(path, top), path)
     flags = [word.replace(toolchain.source, "SOURCE") for word in toolchain.flags]
     for name, words in {"compiler": toolchain.compiler, "flags": flags, "sanitize": toolchain.sanitize,
+                        "fill": toolchain.fill,
                         "link": [*toolchain.grade_link, *toolchain.link_flags], "seed": [sandbox.seed()],
                         "way": [toolchain.remark], "seconds": [str(seconds)]}.items():
         digest.add(name, "\0".join(words))
