@@ -25,6 +25,12 @@
 -- shows what a driver prints. prints="0.647837 ..." lists numbers that the text around it repeats: weaving
 -- ends if the kit's driver does not print one.
 --
+--   ::: {.replay unit=bvh_median figure=selection}
+-- shows a unit's functions step by step: tools/weave/replay.lua.
+--
+--   Packets are older: @wald2001.
+-- cites an entry of docs/bibliography.bib (tools/weave/cite.lua, tools/weave/bibliography.lua).
+--
 --   ::: {.index of=terms}
 -- lists where terms, functions or tests are explained (tools/weave/index.lua).
 --
@@ -36,11 +42,13 @@
 local tools = os.getenv("RAYKIT_SOURCE") .. "/tools/weave/"
 table.insert(package.searchers, 2, function(name) return loadfile(tools .. name .. ".lua") end)
 local answers = require("answers")
+local bibliography = require("bibliography")
 local code = require("code")
 local drive = require("drive")
 local hours = require("hours")
 local index = require("index")
 local listings = require("listings")
+local replay = require("replay")
 local weave = require("weave")
 local wrong = require("wrong")
 local anchor, fail, fail_at, need, place = weave.anchor, drive.fail, drive.fail_at, drive.need, drive.place
@@ -141,7 +149,8 @@ local function listing(block)
     content[3] = pandoc.Div({pandoc.Plain(table.concat(said, " "))}, {class = "yours"})
   end
   local _, line_ends = content[2].text:gsub("\n", "")
-  return pandoc.Div(content, {class = line_ends > 22 and "listing long" or "listing"})
+  local name = "listing-" .. need(block, "name"):match("%S+")
+  return pandoc.Div(content, {id = anchor(name), class = line_ends > 22 and "listing long" or "listing"})
 end
 
 local known_languages = {c = true, sh = true, text = true}
@@ -283,15 +292,18 @@ end
 
 return {
   {Meta = settings},
+  {Pandoc = bibliography.list},
   {Pandoc = answers.weave},
   collect,
   {Pandoc = render_all},
   table.unpack(weave.filters({
-    Div = {claims = claims, hours = hours.div, index = index.directive, sketch = sketch, output = output},
+    Div = {claims = claims, hours = hours.div, index = index.directive, sketch = sketch, output = output,
+      replay = replay.figure(function() return solutions end)},
     Span = {hours = hours.span},
     Code = code_inline,
     CodeBlock = code_block,
     Para = lone_sketch,
-    late = {{Pandoc = wrong.mark_steps}, collect, {Pandoc = render_all}, {Math = render}},
+    late = {{Pandoc = wrong.mark_steps}, {Pandoc = bibliography.name_sections}, collect,
+      {Pandoc = render_all}, {Math = render}},
   })),
 }

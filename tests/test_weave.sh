@@ -2,7 +2,7 @@
 # Two who make the same page at the same time do not spoil each other's. A small script takes the place
 # of pandoc: it waits until the file "go" is there. Names that two texts have, equal pictures in a row, and
 # sentences that the numbers do not bear out are mistakes. Figures and formulas have numbers, the book is also
-# a page per chapter, with answers for instructors, and wrong pictures are shown with the mistakes.
+# pages of about a section, which can be searched, with answers for instructors, and wrong pictures are shown with the mistakes.
 set -u
 [ "${1-}" != --list ] || exit 0 # the driver asks for names of tests, which it can do without
 source=$(cd "${srcdir:-.}" && pwd)
@@ -119,6 +119,12 @@ END
     row "$look/1.png" "$look/2.png" >"$texts/01_one.md"
     report said1 "$folder/texts" "$pandoc"
     verdict a_row_of_two_pictures_is_woven
+
+    row "$look/1.png" "$look/2.png" | sed 's/left"}/left" command=open}/' >"$texts/01_one.md"
+    report said1 "$folder/texts" "$pandoc" &&
+        [ "$(grep -o '<details class="command" open' "$folder/build/reports/out/report.html" | wc -l)" = 1 ] &&
+        [ "$(grep -o '<details class="command"' "$folder/build/reports/out/report.html" | wc -l)" = 2 ]
+    verdict a_command_is_unfolded_where_the_text_says_so
 
     # A text in a picture, after its header; its sum is not read.
     {
@@ -484,10 +490,14 @@ END
         >"$folder/texts/src/x.c"
     printf '# Start {.unnumbered #start}\n\n[One](#one)\n' >"$docs/book.md"
     printf '# Pixel {.unnumbered #pixel}\n\nOne.\n' >"$docs/one_pixel.md"
+    printf '# Camera {.unnumbered #camera}\n' >"$docs/camera.md"
+    printf '# Notation {.unnumbered #notation}\n' >"$docs/notation.md"
     printf '# One {#one}\n\n``` {.code file=src/x.c name=half}\n```\n\n[code](file:src/x.c)\n' >"$docs/01_one.md"
     printf '# Two {#two}\n\n## Disks {#disks}\n\nAll *unit disks*. One unit disk.\n\nNo symbol.\n\n``` {.code file=src/x.c name=rk_quarter}\n```\n' >"$docs/02_two.md"
     printf '# Glossary {.unnumbered #glossary}\n\n| symbol | means |\n|---|---|\n| $x$ | a number |\n\n| term | means |\n|---|---|\n| unit disk | a disk |\n' >"$docs/glossary.md"
     printf '# Index {.unnumbered #book-index}\n\n::: {.index of=terms}\n:::\n\n::: {.index of=functions}\n:::\n' >"$docs/index_page.md"
+    printf '# Bibliography {.unnumbered #bibliography}\n\n::: {#refs}\n:::\n' >"$docs/bibliography.md"
+    : >"$docs/bibliography.bib"
     printf '# House {.unnumbered #house}\n\n[terms](glossary.md#glossary), [one](01_one.md)\n\n![Its rooms](sketches/house.svg)\n' \
         >"$docs/architecture.md"
     mkdir "$docs/sketches"
@@ -495,11 +505,11 @@ END
     RAYKIT_SOURCE=$folder/texts RAYKIT_BUILD=$folder/build RAYKIT_DRIVERS=$folder RAYKIT_VERSION=0 PANDOC=$pandoc \
         GNUPLOT= CHROMIUM= QUICK= FEATURES= MESHES= sh "$source/docs/make_book" >"$folder/said1" 2>&1
     pages=$folder/build/docs/out/book
-    [ "$(cd "$pages" && echo *.html)" = "book-index.html glossary.html house.html index.html one.html pixel.html two.html" ]
-    verdict the_book_is_also_a_page_per_chapter
+    [ "$(cd "$pages" && echo *.html)" = "book-index.html camera.html glossary.html house.html index.html notation.html one.html pixel.html two.html" ]
+    verdict a_short_chapter_is_a_page_of_the_book
 
     grep -q 'href="one.html#one">One<' "$pages/index.html" && grep -q 'rel="next" href="two.html"' "$pages/one.html" &&
-        grep -q 'rel="prev" href="pixel.html"' "$pages/one.html" &&
+        grep -q 'rel="prev" href="camera.html"' "$pages/one.html" &&
         [ "$(grep -o '<h1' "$pages/two.html" | wc -l)" = 1 ]
     verdict pages_lead_to_the_next_and_into_each_other
 
@@ -520,13 +530,79 @@ END
         ! grep -q 'href="#code-half"' "$pages/one.html"
     verdict code_has_its_lines_numbers_and_links_to_the_lines_of_definitions
 
-    grep -q '\["unit disk","term","term-unit-disk","glossary.html"\]' "$pages/index.js" &&
-        grep -q '\["half","code","code-half","one.html"\]' "$pages/index.js"
-    verdict terms_and_functions_can_be_searched_for
+    grep -q '<div id="listing-half" class="listing">' "$pages/one.html" && grep -q '<div id="listing-rk_quarter"' "$pages/two.html"
+    verdict a_listing_has_the_name_of_its_code
 
-    grep -qx '\["two.html","disks","1.1 Disks","All unit disks. One unit disk. No symbol\.[^"]*"\],*' "$pages/text.js" &&
-        grep -q '"1.1 Disks","All unit disks' "$folder/build/docs/out/book.html"
-    verdict texts_of_sections_can_be_searched
+    grep -q '^"code-half":"one.html",' "$pages/places.js" && grep -q '^"disks":"two.html",' "$pages/places.js"
+    verdict a_list_tells_the_page_of_each_name
+
+    grep -q 'as MiniSearch is missing' "$folder/said1" && [ ! -e "$pages/search.js" ] && ! grep -q search.js "$pages/one.html"
+    verdict without_minisearch_a_book_is_woven_and_has_no_search
+
+    # A chapter of more than a screen.
+    long=$docs/03_long.md
+    lines() { for line in $(seq "$1"); do printf 'Sentence %s of a paragraph, which is as long as a line of a page, and a little longer than that.\n\n' "$line"; done; }
+    {
+        printf '# Long {#long}\n\nSee [](#sums) and [disks](#disks).\n\n## First {#first}\n\n'
+        lines 50
+        printf '## Second {#second}\n\n`rk_quarter`{.code} is short.\n\n## Third {#third}\n\n### Within {#within}\n\n[$$x^2$$]{#sums}\n\n'
+        lines 50
+        printf '## Last {#last}\n\nA short one about refraction.\n\n| what | how |\n|---|---|\n| a pyramid | of pixels |\n'
+    } >"$long"
+    weaves() { # weaves [NAME=VALUE...]: the book
+        env RAYKIT_SOURCE="$folder/texts" RAYKIT_BUILD="$folder/build" RAYKIT_DRIVERS="$folder" RAYKIT_VERSION=0 PANDOC="$pandoc" \
+            GNUPLOT= CHROMIUM= QUICK= FEATURES= MESHES= "$@" sh "$source/docs/make_book" >"$folder/said1" 2>&1
+    }
+    weaves && [ -e "$pages/long.html" ] && [ -e "$pages/second.html" ] && [ ! -e "$pages/first.html" ] && [ ! -e "$pages/third.html" ] &&
+        [ ! -e "$pages/last.html" ]
+    verdict a_page_ends_where_it_fills_a_screen_and_a_short_rest_joins_it
+
+    grep -q '<h1 class="of-chapter"><a href="long.html#long">.*Long</a></h1>' "$pages/second.html" && grep -q '<title>2.2 Second – 2 Long – ' "$pages/second.html" &&
+        grep -q 'rel="prev" href="long.html"' "$pages/second.html" && grep -q 'rel="next" href="house.html"' "$pages/second.html" &&
+        grep -q '<li><a href="long.html#first">' "$pages/second.html" && grep -q '<li><a href="#third">' "$pages/second.html"
+    verdict a_section_s_page_has_its_chapter_s_title_and_contents_and_leads_on
+
+    grep -q 'href="second.html#sums"' "$pages/long.html" && grep -q 'href="two.html#code-rk_quarter"' "$pages/second.html" &&
+        grep -q '^"within":"second.html"' "$pages/places.js"
+    verdict links_lead_to_the_pages_of_sections
+
+    dead_links() { python3 -B -c 'import sys; sys.path.insert(0, sys.argv[1]); import page_links; dead = page_links.dead_links(sys.argv[2]); print(*dead, sep="\n"); sys.exit(bool(dead))' "$source/tests" "$1"; }
+    dead_links "$folder/build/docs/out" >"$folder/said1"
+    verdict no_link_of_the_pages_is_dead
+
+    sed 's/#third/#without/' "$pages/second.html" >"$pages/planted.html"
+    ! dead_links "$folder/build/docs/out" >"$folder/said1" && grep -qx 'book/planted.html: planted.html#without' "$folder/said1" && ! grep -q '^book/[^p]' "$folder/said1"
+    verdict a_dead_link_would_be_found
+
+    minisearch=$source/build-aux/node_modules/minisearch
+    if node=$(command -v node) && [ -e "$minisearch/package.json" ]; then
+        weaves RAYKIT_NODE="$node" RAYKIT_MINISEARCH="$minisearch"
+        looks_up() { # looks_up WORDS: the first place that is found
+            "$node" -e 'const window = {};
+                require("vm").runInNewContext(require("fs").readFileSync(process.argv[1], "utf8"), {window});
+                const [hit] = window.raykitFind(process.argv[2]);
+                if (hit) console.log(`${window.raykitSections[hit.at][0]}#${hit.name} ${hit.text}`);' \
+                "$pages/search.js" "$1" 2>&1
+        }
+        [ "$(looks_up 'refracion short')" = 'second.html#last-p1 A short one about refraction.' ] && grep -q 'id="last-p1"' "$pages/second.html" &&
+            grep -q 'id="last-p1"' "$folder/build/docs/out/book.html"
+        verdict a_paragraph_is_found_by_a_wrong_letter_and_has_a_name
+
+        [ "$(looks_up 'pyram pixels')" = 'second.html#last-p2 a pyramid; of pixels' ] && [ "$(looks_up rk_quarter)" = 'two.html#code-rk_quarter ' ] &&
+            [ "$(looks_up 'unit disk')" = 'glossary.html#term-unit-disk ' ]
+        verdict rows_functions_and_terms_are_found
+
+        tr '\n' ' ' <"$pages/house.html" | grep -q '</p> *<figure class="picture sketch"[^>]*> *<svg .*</svg> *<figcaption class="caption">.*<span id="[^"]*" class="at"></span>.*Its rooms.*</figcaption> *</figure>'
+        verdict figures_are_whole_where_their_captions_have_names
+
+        dead_links "$folder/build/docs/out" >"$folder/said1" && grep -q 'Permission is hereby granted' "$pages/search.js" &&
+            grep -q '<script type="text/plain" id="search-script">' "$folder/build/docs/out/book.html"
+        verdict what_is_found_is_there
+    else
+        count=$((count + 1))
+        echo "ok $count # SKIP a_paragraph_is_found: MiniSearch or node is missing: ./bootstrap --site"
+    fi
+    rm "$long"
 
     grep -q 'glossary.html#term-unit-disk">unit disk</a>, <a href="two.html#disks">1.1</a>' "$pages/book-index.html" &&
         grep -q 'href="one.html#code-half"><code>half</code></a>, <a href="one.html#one">0</a>' "$pages/book-index.html" &&
@@ -534,7 +610,7 @@ END
     verdict the_index_leads_to_where_terms_and_functions_are_explained
 
     [ "$(grep -c 'class="term"' "$pages/two.html")" = 1 ] && tr '\n' ' ' <"$pages/two.html" |
-        grep -q '<p>All <em><a href="glossary.html#term-unit-disk" class="term">unit disks</a></em>. One unit disk.</p>'
+        grep -q '<p>\(<span id="disks-p1" class="at"></span>\)\{0,1\}All <em><a href="glossary.html#term-unit-disk" class="term">unit disks</a></em>. One unit disk.</p>'
     verdict a_chapter_links_a_term_where_it_uses_it_first
 
     printf 'int rk_answer(void)\n{\n    /* solution */\n    return 42;\n    /* starter\n    return 0;\n    end */\n}\n' \
@@ -565,6 +641,51 @@ END
         ! grep -q 'of-step' "$pages/one.html"
     verdict a_section_names_the_steps_that_it_belongs_to
     rm -r "$steps"
+
+    # Sources, which texts cite by their keys.
+    entries() { # entries KEY...: a bibliography with articles of these keys, a year behind the author's name
+        for key; do
+            printf '@article{%s, author = {%s, A.}, title = {A {BVH} paper}, journal = {A journal}, year = {%s}, doi = {10.1/%s}}\n' \
+                "$key" "${key%%[0-9]*}" "${key#"${key%%[0-9]*}"}" "$key"
+        done >"$docs/bibliography.bib"
+    }
+    cites() { # cites TEXT [CHAPTERS]: a book with a chapter's section that says so
+        printf '# Two {#two}\n\n## Disks {#disks}\n\n%s\n\n``` {.code file=src/x.c name=rk_quarter}\n```\n' "$1" >"$docs/02_two.md"
+        RAYKIT_SOURCE=$folder/texts RAYKIT_BUILD=$folder/build RAYKIT_DRIVERS=$folder RAYKIT_VERSION=0 PANDOC=$pandoc \
+            GNUPLOT= CHROMIUM= QUICK= FEATURES=${2-} MESHES= sh "$source/docs/make_book" >"$folder/said1" 2>&1
+    }
+    entries kay1986 wald2007
+    printf '# Pixel {.unnumbered #pixel}\n\nBefore @wald2007.\n' >"$docs/one_pixel.md"
+    cites 'By @kay1986: boxes, not of a@kay1986.' && tr '\n' ' ' <"$pages/two.html" | tr -s ' ' |
+        grep -q 'By <a href="bibliography.html#ref-kay1986" title="kay, A. 1986.[^"]*"[^>]*>kay (1986)</a>: boxes, not of a@kay1986' &&
+        grep -q 'href="#ref-kay1986"' "$folder/build/docs/out/book.html"
+    verdict a_citation_leads_to_its_entry
+
+    cites 'Boxes [@kay1986].' && tr '\n' ' ' <"$pages/two.html" | grep -q '>(kay 1986)</a>\.'
+    verdict in_brackets_it_is_a_remark
+
+    entries kay1986 kay2007 wald2007
+    cites 'By @kay1986 and @kay2007.' && tr '\n' ' ' <"$pages/two.html" | grep -q '>kay (2007)<' && ! grep -q '———' "$pages/bibliography.html"
+    verdict each_entry_names_its_authors
+    entries kay1986 wald2007
+    cites 'By @kay1986: boxes, not of a@kay1986.'
+
+    tr '\n' ' ' <"$pages/bibliography.html" | tr -s ' ' >"$folder/words"
+    grep -q 'id="ref-kay1986"> kay, A. 1986. “A BVH Paper.”.*href="https://doi.org/10.1/kay1986".*Cited in <a href="two.html#disks">1.1</a>\.' "$folder/words" &&
+        grep -q 'id="ref-wald2007">.*Cited in <a href="pixel.html#pixel">Pixel</a>\.' "$folder/words"
+    verdict an_entry_has_its_link_and_the_sections_that_cite_it
+
+    ! cites 'By @kay1968 and @kay1986.' && grep -q 'docs/02_two.md:5: @kay1968: docs/bibliography.bib has no such entry' "$folder/said1"
+    verdict an_unknown_key_is_a_mistake
+
+    ! cites 'By nobody.' && grep -q 'docs/bibliography.bib: nothing cites kay1986; cite it as @kay1986' "$folder/said1"
+    verdict an_entry_that_nothing_cites_is_a_mistake
+
+    alone=$folder/build/docs/out.some/book.html
+    cites 'By @kay1986.' two && grep -q 'id="ref-kay1986"' "$alone" && ! grep -q 'id="ref-wald2007"' "$alone" &&
+        cites 'By nobody.' two && ! grep -q 'id="bibliography"' "$alone"
+    verdict a_chapter_alone_has_the_entries_that_it_cites
+    entries
 
     # What was drawn is kept: the driver notes its calls.
     lens=$folder/assignments/01_lens/lens

@@ -150,9 +150,10 @@ function build_all() {
     print "starters =" starters
 }
 
-function readme_row(stem, about, picture) {
-    if (picture) picture = "![" picture "](docs/pictures/" stem ".png) "
-    return "| " picture "| `" stem "` | " about " |\n"
+# HTML, because Markdown has no say in the breadth of columns.
+function readme_cell(stem, folder, about, picture) {
+    if (picture) picture = "<img src=\"docs/pictures/" stem ".png\" alt=\"" picture "\" width=\"160\"><br>"
+    return "<td width=\"25%\" valign=\"top\">" picture "<a href=\"docs/" folder ".md\"><code>" stem "</code></a>: " about "</td>\n"
 }
 
 function readme(line, skips, found) {
@@ -161,7 +162,7 @@ function readme(line, skips, found) {
         if (!skips) print line
         if (line ~ /^<!-- features:/) {
             found = skips = 1
-            printf "| | feature | what it is |\n|---|---|---|\n%s", rows
+            printf "<table>\n%s</tr>\n</table>\n", cells
         }
     }
     if (!found || skips) fail(": README.md has no line <!-- features: ... -->, or none <!-- features end --> below it")
@@ -183,7 +184,7 @@ FNR > 1 {
     if (NF != 6) fail(":" FNR ": six columns are wanted, separated by tabs; here are " NF)
     need_rooms($1, $2)
     stems = stems " " $1
-    rows = rows readme_row($1, $5, $6)
+    cells = cells (FNR % 4 == 2 ? (FNR > 2 ? "</tr>\n" : "") "<tr>\n" : "") readme_cell($1, $2, $5, $6)
     if (part == "build") build_one($1, $2, $3, $4)
     if (part == "list") list = list "RK_FEATURE(" $1 ")\n"
     if (part == "headers") print "#include \"features/" $1 ".h\""

@@ -519,13 +519,14 @@ function drive.without_times(parameters)
   return (parameters:gsub(", built in [^,]*", ""):gsub(", rendered in [^,]*", ""))
 end
 
--- The command that draws a picture, folded below its caption.
+-- The command that draws a picture, folded below its caption; with command=open unfolded.
 function drive.command(element, args)
   local text = drive.program(element) .. " " .. args
   text = text:gsub("[&<>]", {["&"] = "&amp;", ["<"] = "&lt;", [">"] = "&gt;"})
   text = text:gsub("%-%-[%w-]+", '<span class="tied">%0</span>') -- no line ends within an option
   return pandoc.RawBlock("html",
-    '<details class="command"><summary>command</summary><code>' .. text .. "</code></details>")
+    '<details class="command"' .. (element.attributes.command == "open" and " open" or "") ..
+    "><summary>command</summary><code>" .. text .. "</code></details>")
 end
 
 -- The caption of a picture or a table: a text, and in small print its parameters, a text or inlines.

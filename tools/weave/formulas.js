@@ -3,13 +3,14 @@
 // The formulas come separated by the character 30, each begun by "I" (in a line) or "D" (displayed);
 // the answers go out likewise, "H" and HTML, or "E" and what is wrong with a formula.
 //   node formulas.js KATEX_FOLDER --css STYLESHEET >css
-// prints KaTeX's stylesheet with the fonts in it, those that formulas in plain mathematics use.
+// prints KaTeX's stylesheet with the fonts in it, those that formulas in plain mathematics use. With a last argument,
+// a folder beside the stylesheet, they are copied there instead, and a browser loads those that a page uses.
 "use strict";
 const fs = require("fs");
 const path = require("path");
 
 const separator = "\x1e";
-const [folder, option, stylesheet] = process.argv.slice(2);
+const [folder, option, stylesheet, fonts] = process.argv.slice(2);
 
 function html(formula) {
   const katex = require(folder);
@@ -21,14 +22,20 @@ function html(formula) {
   }
 }
 
+function address(font) {
+  if (!fonts) return `data:font/woff2;base64,${fs.readFileSync(font).toString("base64")}`;
+  fs.mkdirSync(fonts, {recursive: true});
+  fs.copyFileSync(font, path.join(fonts, path.basename(font)));
+  return `${path.basename(fonts)}/${path.basename(font)}`;
+}
+
 function css() {
   const needed = /KaTeX_(Main|Math|AMS|Size\d)-/;
   const face = /@font-face\s*{[^}]*}/g;
   return fs.readFileSync(stylesheet, "utf8").replace(face, (rule) => {
     const file = /url\(["']?([^"')]*\.woff2)/.exec(rule);
     if (!file || !needed.test(file[1])) return "";
-    const font = fs.readFileSync(path.join(path.dirname(stylesheet), file[1])).toString("base64");
-    return rule.replace(/src:[^;}]*/, `src:url(data:font/woff2;base64,${font}) format("woff2")`);
+    return rule.replace(/src:[^;}]*/, `src:url(${address(path.join(path.dirname(stylesheet), file[1]))}) format("woff2")`);
   });
 }
 

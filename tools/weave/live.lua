@@ -104,8 +104,10 @@ function live.script(solutions)
   local parts = {}
   for name, text in pairs(widgets) do parts[#parts + 1] = name .. ": " .. text end
   table.sort(parts)
-  local page = read("arguments.js") .. "const figures = " .. read("live.js")
-  return "{\n" .. page .. "figures({" .. table.concat(modules, ", ") .. "},\n" ..
+  local page = read("make.js") .. read("arguments.js") .. read("converge.js") .. read("pixel_rays.js") ..
+    read("numbers.js")
+  return "{\n" .. page .. "const figures = " .. read("live.js") ..
+    "figures({" .. table.concat(modules, ", ") .. "},\n" ..
     quote(read("run.js") .. read("worker.js")) .. ",\n{" .. table.concat(parts, ", ") .. "},\n" ..
     steps.script(solutions) .. ");\n}\n"
 end

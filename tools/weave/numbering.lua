@@ -44,8 +44,18 @@ end
 
 local function is_caption(block) return block.t == "Div" and block.classes:includes("caption") end
 
+-- A listing shows no number; without a name it gets one of it.
+local function name_listing(div)
+  if div.identifier == "" and counts[1] then
+    local _, name = next_of("Listing")
+    div.identifier = name
+  end
+  return div
+end
+
 -- Figures and tables are divisions until they are presented (present.lua).
 local function number_division(div)
+  if div.classes:includes("listing") then return name_listing(div) end
   local kind = div.classes:includes("picture") and "Figure" or div.classes:includes("numbers") and "Table"
   if not kind or not counts[1] then return nil end
   local number, name = next_of(kind)
@@ -91,7 +101,7 @@ function numbering.assign(doc)
     if block.t == "Header" then
       if block.level == 1 then
         counts = {order[drive.place(block):match("^(.-):%d+$")]}
-        seen = {Figure = 0, Table = 0, Equation = 0}
+        seen = {Figure = 0, Table = 0, Equation = 0, Listing = 0}
       end
       number_heading(block)
     elseif seen then

@@ -1,6 +1,5 @@
 // Helps to read: contents that follow the reader, search, colours, links to headings and figures, copies of listings.
-// The page is complete without. `raykitIndex` has the names that can be searched for, [title, kind, anchor, page],
-// `raykitText`, in text.js, the sections: [page, anchor, title, text].
+// The page is complete without.
 "use strict";
 (() => {
   const make = (name, attributes, ...children) => {
@@ -75,54 +74,53 @@
   const observer = new IntersectionObserver(follow, { rootMargin: "10000000px 0px -66% 0px" });
   headings.forEach((heading) => observer.observe(heading));
 
-  // --- search --------------------------------------------------------------------------------
+  // --- search: by MiniSearch, where the page has its script (make_search.js) ------------------
 
+  const is_paged = Boolean(document.querySelector('link[href="style.css"]'));
+  const kept = document.getElementById("search-script"), beside = document.querySelector('link[href="search.js"]');
   const field = make("input", { type: "search", placeholder: "Search", autocomplete: "off",
     "aria-label": "Search headings, functions, tests, terms and the text", "aria-controls": "found" });
   const found = make("ul", { id: "found", hidden: "" });
   const said = make("p", { class: "said", role: "status" });
-  const most = 12;
+  const most = { names: 8, texts: 12 };
 
-  // Beginnings of titles first, then beginnings of words.
-  const rank = (title, wanted) => {
-    const at = title.toLowerCase().indexOf(wanted);
-    return at <= 0 ? at : /[\s_]/.test(title[at - 1]) ? 1 : 2;
-  };
-  const names = (wanted) => raykitIndex.map((entry) => [rank(entry[0].replace(/^[\d.]+ /, ""), wanted), entry])
-    .filter(([order]) => order >= 0).sort((a, b) => a[0] - b[0]).map(([, entry]) => entry);
-
-  // Sections with all of the words, the whole phrase first, then those that have them most often.
-  const count = (text, word) => text.split(word).length - 1;
-  const texts = (wanted) => {
-    const words = wanted.split(/\s+/), hits = [];
-    for (const [page, name, title, text] of window.raykitText || []) {
-      const lower = text.toLowerCase(), counts = words.map((word) => count(lower, word));
-      if (Math.min(...counts)) hits.push([count(lower, wanted), Math.min(...counts), [title, text, name, page], lower]);
+  // The part of the text that has most of these words, which are marked.
+  const around = 60;
+  const excerpt = (text, words) => {
+    const escaped = words.map((word) => word.replace(/[.*+?^${}()|[\]\\]/g, "\\$&"));
+    const hits = [...text.matchAll(new RegExp(`(?<![\\p{L}\\p{N}])(${escaped.join("|")})(?![\\p{L}\\p{N}])`, "giu"))];
+    const near = (hit) => new Set(hits.filter(({ index }) => index >= hit.index && index < hit.index + around).map(([word]) => word.toLowerCase())).size;
+    const best = hits.reduce((one, hit) => near(hit) > near(one) ? hit : one, hits[0] || { index: 0 });
+    const from = best.index > around ? text.indexOf(" ", best.index - around) + 1 : 0, to = best.index + 2 * around;
+    const end = to < text.length ? text.lastIndexOf(" ", to) : text.length;
+    const parts = from ? ["… "] : [];
+    let at = from;
+    for (const { 0: word, index } of hits) {
+      if (index < at || index + word.length > end) continue;
+      parts.push(text.slice(at, index), make("mark", {}, word));
+      at = index + word.length;
     }
-    return hits.sort((a, b) => b[0] - a[0] || b[1] - a[1]).map(([whole, , row, lower]) => [...row, lower.indexOf(whole ? wanted : words[0]), whole ? wanted : words[0]]);
+    return make("span", { class: "excerpt" }, ...parts, text.slice(at, end), end < text.length ? " …" : "");
   };
-  const excerpt = (text, at, word) => make("span", { class: "excerpt" }, 
-    at > 50 ? "… " + text.slice(at - 50, at).replace(/^\S*\s/, "") : text.slice(0, at),
-    make("mark", {}, text.substr(at, word.length)), text.substr(at + word.length, 60).replace(/\s\S*$/, " …"));
-  const chapterOf = (page, title) => {
-    const [, , chapter] = raykitText.find((row) => row[0] === page);
-    return chapter === title ? "" : make("small", {}, "in " + chapter);
+  const result = ({ at, name, title, kind, text, terms }) => {
+    const [page, , section, chapter] = raykitSections[at], told = kind || (chapter && chapter !== section && `in ${chapter}`);
+    const link = make("a", { href: `${document.getElementById(name) ? "" : page}#${name}` }, title || section);
+    return make("li", {}, link, told ? make("small", {}, told) : "", text ? excerpt(text, terms) : "");
   };
-  const link = (name, page, title) => make("a", { href: (document.getElementById(name) ? "" : page) + "#" + name }, title);
 
   const search = () => {
-    const wanted = field.value.trim().toLowerCase();
-    const named = wanted.length > 1 ? names(wanted) : [], written = wanted.length > 2 ? texts(wanted) : [];
-    found.replaceChildren(...named.slice(0, most).map(([title, kind, name, page]) => make("li", {}, link(name, page, title), make("small", {}, kind))),
-      ...written.slice(0, most).map(([title, text, name, page, at, word]) => make("li", {}, link(name, page, title), chapterOf(page, title), excerpt(text, at, word))));
-    found.hidden = !found.firstChild;
-    const told = (hits, what) => hits.length > most ? [`${most} of ${hits.length} ${what}`] : hits.length ? [`${hits.length} ${what}`] : [];
-    said.textContent = wanted.length < 2 ? "" : [...told(named, "names"), ...told(written, "sections")].join(", ") || "nothing found";
+    if (!window.raykitFind) return;
+    const wanted = field.value.trim(), hits = wanted.length > 1 ? raykitFind(wanted) : [];
+    const shown = [...hits.filter(({ kind }) => kind).slice(0, most.names), ...hits.filter(({ kind }) => !kind).slice(0, most.texts)];
+    found.replaceChildren(...shown.map(result));
+    found.hidden = !hits.length;
+    const count = `${hits.length > shown.length ? `${shown.length} of ` : ""}${hits.length} ${hits.length === 1 ? "place" : "places"}`;
+    said.textContent = wanted.length < 2 ? "" : hits.length ? count : "nothing found";
   };
-  // The text is loaded for who searches; a single file has it.
+  // The script is loaded for who searches; a single file has it as text.
   field.addEventListener("focus", () => {
-    if (window.raykitText) return;
-    const script = make("script", { src: "text.js" });
+    if (window.raykitFind) return;
+    const script = make("script", beside ? { src: beside.href } : {}, kept ? kept.textContent : "");
     script.addEventListener("load", search);
     document.head.append(script);
   }, { once: true });
@@ -139,13 +137,42 @@
     field.focus();
     search();
   });
-  contents.prepend(box);
+  if (kept || beside) contents.prepend(box);
+
+  // --- the other pages -----------------------------------------------------------------------
+
+  // places.js has the page of each name.
+  const with_places = (use) => {
+    const script = make("script", { src: "places.js" });
+    script.addEventListener("load", () => use(raykitPlaces));
+    document.head.append(script);
+  };
+
+  // Links may be from before a section had a page of its own.
+  const target = () => document.getElementById(decodeURIComponent(location.hash.slice(1)));
+  const look_elsewhere = () => {
+    if (location.hash.length < 2 || target() || !is_paged) return;
+    with_places((places) => {
+      const page = places[decodeURIComponent(location.hash.slice(1))];
+      if (page) location.replace(page + location.search + location.hash);
+    });
+  };
+
+  // The site's worker keeps what was seen. Who has begun to read can go on, and search, without a network.
+  const keep_all = async (places) => {
+    for (const page of new Set([...Object.values(places), "search.js"])) {
+      if (!await caches.match(page, { ignoreSearch: true })) await fetch(page, { priority: "low" });
+    }
+  };
+  if (is_paged && navigator.serviceWorker?.controller && !navigator.connection?.saveData)
+    addEventListener("load", () => setTimeout(() => with_places((places) => keep_all(places).catch(() => {})), 1000));
 
   // A test that is linked to unfolds, with the list around it.
   const unfold = () => {
-    const target = document.getElementById(decodeURIComponent(location.hash.slice(1)));
-    for (let around = target && target.closest("details"); around; around = around.parentElement.closest("details")) around.open = true;
-    if (target && target.closest("details")) target.scrollIntoView();
+    const linked = target();
+    for (let fold = linked && linked.closest("details"); fold; fold = fold.parentElement.closest("details")) fold.open = true;
+    if (linked && linked.closest("details")) linked.scrollIntoView();
+    look_elsewhere();
   };
   addEventListener("hashchange", unfold);
   unfold();
@@ -157,10 +184,11 @@
     heading.append(make("a", { class: "permalink", href: "#" + heading.id, "aria-label": "Link to " + title }, "#"));
   }
 
-  for (const figure of document.querySelectorAll("main figure[id]")) {
-    const caption = figure.querySelector(".caption, figcaption");
-    const number = caption && caption.querySelector(".number");
-    if (caption) caption.append(make("a", { class: "permalink", href: "#" + figure.id, "aria-label": "Link to " + (number ? number.textContent.trim() : "this figure") }, "#"));
+  const kinds = { FIGURE: "", DIV: "the listing ", SPAN: "Equation " }; // a figure's number says what it is
+  for (const block of document.querySelectorAll("main :is(figure, .listing, .equation)[id]")) {
+    const name = block.querySelector(".number, .from") || block.querySelector(".caption");
+    const title = kinds[block.tagName] + (name ? name.textContent.trim() : "");
+    (block.querySelector(".caption") || block).append(make("a", { class: "permalink", href: "#" + block.id, "aria-label": "Link to " + title }, "#"));
   }
 
   const copy = async (button, code) => {

@@ -1,14 +1,18 @@
--- From the woven document: its contents, names and texts to search, and beside the single file a folder
--- with a page per chapter (of the report: one page), whose pictures are files. weave.sh makes the folder
--- and puts the stylesheet there; without the folder no such pages are written.
+-- From the woven document: its contents, and beside the single file a folder with pages, whose pictures are
+-- files. The report is one page; the book has a page per section, or where sections are shorter than a screen
+-- one for several. weave.sh makes the folder and puts the stylesheet there; without the folder no such pages
+-- are written.
 
 local drive = require("drive")
 local index = require("index")
 local live = require("live")
+local replay = require("replay")
+local search = require("search")
 local sources = require("sources")
 
 local pages = {}
 
+local plain = index.plain
 local tools = drive.source .. "/tools/weave/"
 
 local function read(path) return drive.read_file(path) or drive.fail("%s cannot be read", path) end
@@ -41,7 +45,6 @@ end
 
 -- The contents; with `only`, the sections of this chapter alone.
 local function contents_of(chapters, only)
-  chapters = chapters[1] and chapters[1].all or chapters -- a page that holds several
   local lines = {"<ul>"}
   local function add(...) lines[#lines + 1] = string.format(...) end
   for _, chapter in ipairs(chapters) do
@@ -59,59 +62,60 @@ local function contents_of(chapters, only)
   return table.concat(lines, "\n")
 end
 
--- --- the search ------------------------------------------------------------------------------
+-- --- pages of a chapter ----------------------------------------------------------------------
 
-local function quote(text)
-  return '"' .. text:gsub('[%c"\\<]', function(c) return string.format("\\u%04x", c:byte()) end) .. '"'
-end
+local screen = 40 -- lines of text, on a desk
 
-local plain = index.plain
-
--- What can be searched for, as JSON: title, kind, name of the anchor and page of headings, functions,
--- tests and terms.
-local function index_of(chapters)
-  local entries = {}
-  for _, chapter in ipairs(chapters) do
-    for _, entry in ipairs(index.entries(chapter)) do
-      local row = {quote(entry.title), quote(entry.kind), quote(entry.id), quote(chapter.page)}
-      entries[#entries + 1] = "[" .. table.concat(row, ",") .. "]"
-    end
+local function without_folded(html)
+  while true do
+    local _, to = html:find("</details>", 1, true)
+    if not to then return html end
+    local from = html:sub(1, to):match(".*()<details")
+    html = html:sub(1, from - 1) .. html:sub(to + 1)
   end
-  return "[" .. table.concat(entries, ",\n") .. "]"
 end
 
--- A section's paragraphs, cells and captions; without formulas, which are HTML by now, and listings.
-local function text_of(blocks)
-  local texts = {}
-  local function add(block) texts[#texts + 1] = pandoc.utils.stringify(block) end
-  local function leave_out(span) return span.classes:includes("parameters") and {} or nil end
-  local function no_picture() return {} end
-  pandoc.Div(blocks):walk({Image = no_picture, Span = leave_out, Para = add, Plain = add})
-  return (table.concat(texts, " "):gsub("%s+", " "))
+-- About how many lines of text are as high as this.
+local function height_of(html)
+  local lines = 0
+  local function add(height) return function() lines = lines + height; return "" end end
+  html = without_folded(html):gsub("<script.-</script>", ""):gsub("<math.-</math>", "")
+  html = html:gsub("<svg.-</svg>", add(12)):gsub("<img[^>]*>", add(14)):gsub("<tr", add(1))
+  html = html:gsub("<pre.-</pre>", function(pre)
+    local _, line_ends = pre:gsub("\n", "")
+    lines = lines + 0.8 * line_ends + 2
+    return ""
+  end)
+  for paragraph in html:gsub("<[^>]*>", ""):gmatch("[^\n][^\n]*") do lines = lines + #paragraph / 85 end
+  return lines
 end
 
--- What is written in the sections, as JSON: page, name of the anchor, title and text.
-local function texts_of(chapters)
-  local rows = {}
-  for _, chapter in ipairs(chapters) do
-    local section, blocks
-    local function finish()
-      if not section then return end
-      local title = plain(html_of({pandoc.Plain(section.content)}))
-      rows[#rows + 1] = "[" .. table.concat({quote(chapter.page), quote(section.identifier), quote(title),
-        quote(text_of(blocks))}, ",") .. "]"
-    end
-    for _, block in ipairs(chapter.blocks) do
-      if block.t == "Header" then
-        finish()
-        section, blocks = block, pandoc.List()
-      elseif section then
-        blocks:insert(block)
-      end
-    end
-    finish()
+-- A chapter's pages: {chapter, title, page (its file's name), html}. A page ends when it fills a screen; what
+-- is left of a chapter and does not goes with the page before.
+local function split(chapter)
+  local list, parts, level = {}, {}, 1
+  for _, block in ipairs(chapter.blocks) do
+    if block.t == "Header" and block.level == level then parts[#parts + 1], level = pandoc.List(), 2 end
+    parts[#parts]:insert(block)
   end
-  return "window.raykitText = [" .. table.concat(rows, ",\n") .. "];\n"
+  local function finish(page) page.html = table.concat(page.parts, "\n") end
+  for i, blocks in ipairs(parts) do
+    local page, html = list[#list], html_of(blocks)
+    if not page or page.height >= screen then
+      local heading = chapter.sections[i - 1] or chapter
+      page = {chapter = chapter, id = heading.id, title = heading.title, page = heading.id .. ".html",
+        blocks = blocks, parts = {}, height = 0}
+      list[#list + 1] = page
+    end
+    table.insert(page.parts, html)
+    page.height = page.height + height_of(html)
+  end
+  if #list > 1 and list[#list].height < screen then
+    local last = table.remove(list)
+    table.move(last.parts, 1, #last.parts, #list[#list].parts + 1, list[#list].parts)
+  end
+  for _, page in ipairs(list) do finish(page) end
+  return list
 end
 
 -- --- pages -----------------------------------------------------------------------------------
@@ -141,11 +145,11 @@ local function fill(template, values)
 end
 
 -- Links from a page in the folder: to names in other pages, and to files beside the folder.
-local function relink(html, chapter, page_of)
+local function relink(html, page, page_of)
   local function target(before, link)
     local name = link:match("^#(.*)$")
     if name then
-      if chapter.names[name] or not page_of[name] then return nil end
+      if page.names[name] or not page_of[name] then return nil end
       return before .. page_of[name] .. link .. '"'
     elseif not link:find("^%a+:") then
       return before .. "../" .. link .. '"'
@@ -164,39 +168,48 @@ local function common_values(doc)
     local text = doc.meta[name] and pandoc.utils.stringify(doc.meta[name])
     values[name] = text and html_of({pandoc.Plain({pandoc.Str(text)})})
   end
+  values.search = search.is_possible()
   values.cover = values.cover and "../" .. values.cover
-  values.scripts = '<script src="index.js"></script>\n<script src="page.js"></script>\n' ..
-    '<script src="compare.js"></script>'
   return values
 end
 
-local function step(chapter, relation, sign)
-  if not chapter then return "" end
-  local title = sign:gsub("_", (chapter.title:gsub("%%", "%%%%")))
-  return string.format('<a rel="%s" href="%s">%s</a>', relation, chapter.page, title)
+-- Scripts that only pages with what they are for load, by what these contain.
+local function scripts_of(html, live_script)
+  local names = {"page.js"}
+  if html:find('class="[^"]*%f[%w]compare%f[%W]') then names[#names + 1] = "compare.js" end
+  if live_script ~= "" and html:find("data-program=", 1, true) then names[#names + 1] = "live.js" end
+  if html:find('class="replay"', 1, true) then names[#names + 1] = "steps.js" end
+  for i, name in ipairs(names) do names[i] = '<script src="' .. name .. '"></script>' end
+  return table.concat(names, "\n")
 end
 
-local function steps(chapters, i)
-  return '<nav class="steps" aria-label="Chapters">' .. step(chapters[i - 1], "prev", "← _") ..
-    step(chapters[i + 1], "next", "_ →") .. "</nav>"
+local function step(page, relation, sign)
+  if not page then return "" end
+  local title = sign:gsub("_", (page.title:gsub("%%", "%%%%")))
+  return string.format('<a rel="%s" href="%s">%s</a>', relation, page.page, title)
 end
 
--- The first page with each name; sets each chapter's own.
-local function find_names(chapters)
+local function steps(list, i)
+  return '<nav class="steps" aria-label="Pages">' .. step(list[i - 1], "prev", "← _") ..
+    step(list[i + 1], "next", "_ →") .. "</nav>"
+end
+
+-- The first page with each name; sets each page's own.
+local function find_names(list)
   local page_of = {}
-  for _, chapter in ipairs(chapters) do
-    chapter.names = {}
-    for name in chapter.html:gmatch('%sid="([^"]*)"') do
-      chapter.names[name] = true
-      page_of[name] = page_of[name] or chapter.page
+  for _, page in ipairs(list) do
+    page.names = {}
+    for name in page.html:gmatch('%sid="([^"]*)"') do
+      page.names[name] = true
+      page_of[name] = page_of[name] or page.page
     end
   end
   return page_of
 end
 
--- The beginning of a chapter's first paragraph, for search engines and previews of links.
-local function description_of(chapter)
-  for _, block in ipairs(chapter.blocks) do
+-- The beginning of a page's first paragraph, for search engines and previews of links.
+local function description_of(page)
+  for _, block in ipairs(page.blocks) do
     local text = block.t == "Para" and pandoc.utils.stringify(block) or ""
     if #text > 40 then
       local short = #text > 200 and text:sub(1, 200):match("^(.*)%s") .. " ..." or text
@@ -205,34 +218,52 @@ local function description_of(chapter)
   end
 end
 
--- Live figures share a script, which only pages with some of them load.
-local function write_pages(doc, folder, chapters, page_of, live_script, texts)
+-- Where each name is, for links from elsewhere (tools/grading/assignments.py), and from before a chapter was
+-- split into these pages (page.js).
+local function places(page_of)
+  local rows = {}
+  for name, page in pairs(page_of) do rows[#rows + 1] = string.format('"%s":"%s"', name, page) end
+  table.sort(rows)
+  return "window.raykitPlaces = {\n" .. table.concat(rows, ",\n") .. "\n};\n"
+end
+
+-- The chapter's title, above its other pages.
+local function chapter_line(page)
+  if page.id == page.chapter.id then return "" end
+  return string.format('<h1 class="of-chapter"><a href="#%s">%s</a></h1>\n', page.chapter.id,
+    page.chapter.title)
+end
+
+local function page_title(page, of_all)
+  local title = plain(page.title)
+  if page.id ~= page.chapter.id then title = title .. " – " .. plain(page.chapter.title) end
+  return title .. " – " .. of_all
+end
+
+local function write_pages(doc, folder, chapters, list, page_of, live_script)
   local template, values = read(tools .. "template.html"), common_values(doc)
-  local book_title, description = values.pagetitle, values.description
-  local scripts = values.scripts
-  for i, chapter in ipairs(chapters) do
-    local is_live = live_script ~= "" and chapter.html:find("data-program=", 1, true)
-    values.scripts = scripts .. (is_live and '\n<script src="live.js"></script>' or "")
+  local of_all, description = values.pagetitle, values.description
+  local is_one = #list == 1
+  for i, page in ipairs(list) do
+    values.scripts = scripts_of(page.html, live_script)
     values.chapter = i > 1
-    values.pagetitle = i > 1 and plain(chapter.title) .. " – " .. book_title or book_title
-    values.description = i > 1 and description_of(chapter) or description
-    values.contents = relink(contents_of(chapters, #chapters > 1 and chapter), chapter, page_of)
-    values.body = relink(chapter.html, chapter, page_of) .. (#chapters > 1 and steps(chapters, i) or "")
-    drive.write_file(folder .. "/" .. chapter.page, fill(template, values))
+    values.formulas = page.html:find("katex", 1, true) or page.html:find("<tspan font%-")
+    values.pagetitle = i > 1 and page_title(page, of_all) or of_all
+    values.description = i > 1 and description_of(page) or description
+    values.contents = relink(contents_of(chapters, not is_one and page.chapter), page, page_of)
+    values.body = relink(chapter_line(page) .. page.html, page, page_of) .. (is_one and "" or steps(list, i))
+    drive.write_file(folder .. "/" .. page.page, fill(template, values))
   end
   if live_script ~= "" then drive.write_file(folder .. "/live.js", live_script) end
-  drive.write_file(folder .. "/index.js", "window.raykitIndex = " .. index_of(chapters) .. ";\n")
-  drive.write_file(folder .. "/text.js", texts)
+  if replay.script() ~= "" then drive.write_file(folder .. "/steps.js", replay.script()) end
+  drive.write_file(folder .. "/places.js", places(page_of))
 end
 
 -- Where the document asks for its index.
-local function fill_index(doc, chapters)
+local function fill_index(doc)
+  local chapters = chapters_of(doc)
+  for _, chapter in ipairs(chapters) do chapter.html = html_of(chapter.blocks) end
   local lists = index.lists(chapters)
-  for _, chapter in ipairs(chapters) do
-    chapter.html = chapter.html:gsub('(<div class="index (%l+)">)%s*(</div>)', function(head, of, tail)
-      return lists[of] and head .. "\n" .. lists[of] .. "\n" .. tail
-    end)
-  end
   return doc:walk({Div = function(div)
     local list = div.classes[1] == "index" and lists[div.classes[2]]
     if not list then return nil end
@@ -241,27 +272,40 @@ local function fill_index(doc, chapters)
   end})
 end
 
+-- The report is one page.
+local function pages_of(doc, chapters)
+  if drive.page == "report" then
+    local all = {id = "", title = "", page = "index.html", blocks = doc.blocks, html = html_of(doc.blocks)}
+    all.chapter = all
+    return {all}
+  end
+  local list = {}
+  for _, chapter in ipairs(chapters) do
+    local own = split(chapter)
+    table.move(own, 1, #own, #list + 1, list)
+  end
+  list[1].page = "index.html"
+  return list
+end
+
 function pages.write(doc)
   drive.say("writing the pages")
+  doc = search.name_paragraphs(fill_index(doc))
   local chapters, folder = chapters_of(doc), drive.out .. "/" .. drive.page
-  if drive.page == "report" then
-    chapters = {{id = "", title = "", blocks = doc.blocks, sections = {}, all = chapters}}
-  end
-  for i, chapter in ipairs(chapters) do
-    chapter.page = i == 1 and "index.html" or chapter.id .. ".html"
-    chapter.html = html_of(chapter.blocks)
-  end
-  doc = fill_index(doc, chapters)
+  local list = pages_of(doc, chapters)
   local solutions = not doc.meta.solutions or pandoc.utils.stringify(doc.meta.solutions) == "yes"
-  local live_script, page_of = live.script(solutions), find_names(chapters)
-  local texts = texts_of(chapters)
+  local live_script, page_of = live.script(solutions), find_names(list)
+  local search_script = search.script(list, page_of)
   if drive.exists(folder .. "/style.css") then
-    write_pages(doc, folder, chapters, page_of, live_script, texts)
+    write_pages(doc, folder, chapters, list, page_of, live_script)
+    if search_script then drive.write_file(folder .. "/search.js", search_script) end
     sources.write(page_of, solutions)
   end
-  local scripts = "<script>window.raykitIndex = " .. index_of(chapters) .. ";\n" .. texts ..
-    "</script>\n<script>\n" .. read(tools .. "page.js") .. read(tools .. "compare.js") .. live_script ..
-    "</script>"
+  local scripts = "<script>\n" .. read(tools .. "page.js") .. read(tools .. "compare.js") .. live_script ..
+    replay.script() .. "</script>"
+  if search_script then
+    scripts = '<script type="text/plain" id="search-script">' .. search_script .. "</script>\n" .. scripts
+  end
   doc.meta.contents = pandoc.MetaBlocks({pandoc.RawBlock("html", contents_of(chapters))})
   doc.meta.scripts = pandoc.MetaBlocks({pandoc.RawBlock("html", scripts)})
   return doc

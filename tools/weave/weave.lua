@@ -6,7 +6,8 @@
 --   The caption, in Markdown.
 --   :::
 -- runs the driver and becomes its picture, with the caption and the driver's line of parameters below.
--- A picture that is mostly black, or small in its frame, is a mistake unless dark=yes.
+-- A picture that is mostly black, or small in its frame, is a mistake unless dark=yes. The command
+-- below it is folded unless command=open.
 -- With each=mesh it is repeated for every file in MESHES (and left out if there is none); a note says where
 -- little can
 -- be seen of one.

@@ -8,6 +8,7 @@
 # alone, for who writes about them, leaves the whole one as it is.
 RAYKIT_ALONE=${FEATURES-}
 answers=${answers-} # the folder with answers to the exercises, or empty
+bibliography=${bibliography-} # the file with the entries that texts cite, or empty
 final=$RAYKIT_BUILD/$texts/out${FEATURES:+.some}${answers:+.answers}
 RAYKIT_OUT=$final.part
 RAYKIT_SCRAPS=$(mktemp -d) || exit 1 # it has said which folder, and why
@@ -34,6 +35,8 @@ trap clean_up EXIT
 trap interrupted HUP INT TERM
 
 [ -n "${PANDOC-}" ] || give_up "${NO_PANDOC:-pandoc is missing}"
+[ -n "${RAYKIT_NODE-}" ] && [ -n "${RAYKIT_MINISEARCH-}" ] ||
+    say "it has no search, as MiniSearch is missing (./bootstrap --site installs it)"
 
 # What drivers make is kept here (tools/weave/store.lua). A pack brings RAYKIT_RECORD, what its book shows.
 RAYKIT_STORE=${RAYKIT_STORE:-$RAYKIT_BUILD/drawn}
@@ -144,7 +147,7 @@ weave_features() {
     done <<END
 $(printf %s "$chosen" | LC_ALL=C sort -u)
 END
-    weave "$@"
+    weave "$@" ${bibliography:+"${bibliography%.bib}.md"}
 }
 
 # weave_whole OPTION... TEXT...: the page with its cover, which a part has not
@@ -158,13 +161,14 @@ weave_whole() {
 }
 
 # weave OPTION... TEXT...: the page, and beside it the folder with the same in pages, which share a
-# stylesheet (its last part is formulas_css, if there is one) and the scripts
+# stylesheet and the scripts. formulas_css: KaTeX's, if there is one
 weave() {
     cat "$RAYKIT_SOURCE/tools/weave/page.css" "$RAYKIT_SOURCE/$texts/$RAYKIT_WEAVES.css" \
-        ${formulas_css:+"$formulas_css"} >"$RAYKIT_OUT/$RAYKIT_WEAVES/style.css" &&
+        >"$RAYKIT_OUT/$RAYKIT_WEAVES/style.css" &&
         cp "$RAYKIT_SOURCE/tools/weave/page.js" "$RAYKIT_SOURCE/tools/weave/compare.js" "$RAYKIT_OUT/$RAYKIT_WEAVES" || give_up "$unwritable"
     status=0
     "$PANDOC" --standalone --self-contained --from=commonmark_x+sourcepos --to=html5 \
+        ${bibliography:+--lua-filter="$RAYKIT_SOURCE/tools/weave/cite.lua" --citeproc --bibliography="$bibliography"} \
         --resource-path="$RAYKIT_OUT" --lua-filter="$RAYKIT_SOURCE/$texts/weave.lua" \
         --template="$RAYKIT_SOURCE/tools/weave/template.html" \
         --css="$RAYKIT_SOURCE/tools/weave/page.css" --css="$RAYKIT_SOURCE/$texts/$RAYKIT_WEAVES.css" \
@@ -219,7 +223,7 @@ publish() {
         pdf="and $final/$RAYKIT_WEAVES.pdf"
         ;;
     esac
-    parts="the same as a page per chapter: $final/$RAYKIT_WEAVES/index.html"
+    parts="the same in pages: $final/$RAYKIT_WEAVES/index.html"
     [ "$RAYKIT_WEAVES" = book ] || parts="with its pictures as files: $final/$RAYKIT_WEAVES/index.html"
     rm -rf "$final.old" "$RAYKIT_OUT/process" || give_up "$unwritable"
     trap '' HUP INT TERM # the two moves belong together
