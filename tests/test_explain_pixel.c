@@ -8,7 +8,7 @@
 
 /* A new string to free(). */
 static char *explain_with(const rk_scene *scene, rk_render_options options, uint32_t x, uint32_t y,
-                          bool with_code)
+                          bool with_code, bool with_rays)
 {
     rk_accel accel;
     rk_error error;
@@ -16,7 +16,7 @@ static char *explain_with(const rk_scene *scene, rk_render_options options, uint
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
     rk_check_ok(rk_accel_build(&accel, RK_ACCEL_MEDIAN, scene, &error), error);
-    rk_explain_pixel(out, scene, &accel, &options, x, y, with_code);
+    rk_explain_pixel(out, scene, &accel, &options, x, y, with_code, with_rays);
     rk_accel_free(&accel);
     fclose(out);
     return text;
@@ -24,7 +24,7 @@ static char *explain_with(const rk_scene *scene, rk_render_options options, uint
 
 static char *explain(const rk_scene *scene, rk_render_options options, uint32_t x, uint32_t y)
 {
-    return explain_with(scene, options, x, y, false);
+    return explain_with(scene, options, x, y, false, false);
 }
 
 static bool contains(const char *text, const char *part)
@@ -95,7 +95,7 @@ static void the_code_of_each_step_is_named(void **state)
     rk_render_options options = size_of(19, 13, true);
     options.reflections = true;
     char *plain = explain(&scene, options, 9, 7),
-         *named = explain_with(&scene, options, 9, 7, true);
+         *named = explain_with(&scene, options, 9, 7, true, false);
     rk_check(contains(named, "# src/scene/camera.h, rk_view_ray: "), "%s", named);
     rk_check(contains(named, "# src/features/bvh_median.c, rk_bvh_closest: "), "%s", named);
     rk_check(contains(named, "# src/features/shading.c, rk_shade: "), "%s", named);
@@ -103,6 +103,60 @@ static void the_code_of_each_step_is_named(void **state)
     rk_check(strcmp(named, plain) == 0, "the rest is as without it: %s", named);
     free(plain);
     free(named);
+    rk_scene_free(&scene);
+}
+
+/* The ends of the n-th ray of this kind; NaN if there are fewer. */
+static void printed_ray(const char *text, const char *kind, int n, rk_vec2 ends[2])
+{
+    char label[32];
+    snprintf(label, sizeof label, "\n@ %s", kind);
+    for (; n > 0 && text; n--)
+        text = strstr(text + 1, label);
+    ends[0] = ends[1] = (rk_vec2){NAN, NAN};
+    text = text ? strstr(text, label) : NULL;
+    if (text)
+        sscanf(text + strlen(label), " %f %f %f %f", &ends[0].x, &ends[0].y, &ends[1].x,
+               &ends[1].y);
+}
+
+/* Both are printed: the point with six digits, the pixel with three. */
+static void check_place(const char *text, const rk_scene *scene, rk_vec3 point, rk_vec2 got)
+{
+    const rk_view view = rk_view_of(&scene->camera, 190, 130);
+    rk_vec2 want = {NAN, NAN};
+    float depth;
+    rk_view_project(&view, point, &want, &depth);
+    rk_check(fabsf(got.x - want.x) < 2e-3f && fabsf(got.y - want.y) < 2e-3f,
+             "(%g, %g, %g) is seen at (%g, %g), not (%g, %g):\n%s", (double)point.x,
+             (double)point.y, (double)point.z, (double)want.x, (double)want.y, (double)got.x,
+             (double)got.y, text);
+}
+
+/* On the tall block, which mirrors. */
+static void rays_have_their_places_in_the_picture(void **state)
+{
+    (void)state;
+    rk_scene scene = test_scene_builtin("cornell");
+    rk_render_options options = size_of(190, 130, true);
+    options.reflections = true;
+    char *plain = explain(&scene, options, 71, 103),
+         *text = explain_with(&scene, options, 71, 103, false, true);
+    char *second = strstr(text, "reflected ray"), *first = strndup(text, (size_t)(second - text));
+    rk_vec2 camera[2], shadow[2], reflected[2];
+    printed_ray(text, "camera", 0, camera);
+    printed_ray(text, "shadow", 0, shadow);
+    printed_ray(text, "reflected", 0, reflected);
+    rk_check(fabsf(camera[0].x - 71.5f) < 2e-3f && fabsf(camera[1].y - 103.5f) < 2e-3f,
+             "the camera ray is seen as a point:\n%s", text);
+    check_place(text, &scene, printed_vector(first, "shadow ray origin"), shadow[0]);
+    check_place(text, &scene, scene.lights[0].position, shadow[1]);
+    check_place(text, &scene, printed_vector(first, "  point"), reflected[0]);
+    check_place(text, &scene, printed_vector(second, "  point"), reflected[1]);
+    rk_check(strncmp(text, plain, strlen(plain)) == 0, "the rest is as without it: %s", text);
+    free(plain);
+    free(first);
+    free(text);
     rk_scene_free(&scene);
 }
 
@@ -234,6 +288,22 @@ static void the_hit_is_explained(void **state)
     rk_scene_free(&scene);
 }
 
+/* The light stands before the wall, and the square between them. */
+static void an_occluded_ray_is_told_as_such(void **state)
+{
+    (void)state;
+    rk_scene scene = make_stage();
+    rk_render_options options = size_of(20, 20, true);
+    for (uint32_t x = 0; x < 10; x++) {
+        char *text = explain_with(&scene, options, x, 10, false, true);
+        rk_check(contains(text, "\n@ occluded ") == contains(text, "occluded: in shadow"), "%s",
+                 text);
+        rk_check(contains(text, "\n@ shadow ") == contains(text, " unoccluded"), "%s", text);
+        free(text);
+    }
+    rk_scene_free(&scene);
+}
+
 static void lights_that_add_nothing_are_explained(void **state)
 {
     (void)state;
@@ -360,6 +430,8 @@ static void bloom_is_mentioned_where_it_is_on(void **state)
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(the_printed_colour_is_the_rendered_one),
     cmocka_unit_test(the_code_of_each_step_is_named),
+    cmocka_unit_test(rays_have_their_places_in_the_picture),
+    cmocka_unit_test(an_occluded_ray_is_told_as_such),
     cmocka_unit_test(a_miss_is_explained),
     cmocka_unit_test(an_environment_is_explained),
     cmocka_unit_test(a_background_is_explained),

@@ -17,7 +17,8 @@ if (process.argv.includes("--list")) process.exit(0); // the test driver asks fo
 
 const [source, pandoc, chromium, script] = process.argv.slice(2);
 const build = process.cwd();
-const folder = fs.mkdtempSync(path.join(os.tmpdir(), "raykit-live-"));
+// A name longer than a narrow page, as folders of students have them: the page shows the file's path.
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), "raykit_live_for_a_student_with_a_folder_of_a_long_name_"));
 let count = 0, failed = 0;
 
 function check(good, what, why = "") {
@@ -30,6 +31,7 @@ function check(good, what, why = "") {
 
 function native(driver, args, table = "") {
   const program = fs.readdirSync("assignments").find((name) => name.replace(/^\d+_/, "") === driver);
+  if (table) fs.rmSync(path.join(folder, "tables", `${table}.csv`), {force: true}); // rows of other options
   const printed = execFileSync(path.join(build, "assignments", program, driver), [...args, "--out", folder],
     {encoding: "utf8", stdio: ["ignore", "pipe", "inherit"]});
   const picture = printed.match(/^(.*\.png): /m);
@@ -145,7 +147,7 @@ function press_all({driver, rows, args, offers, widget, clicks}) {
         (!start.has("pixel") && changes(offer, larger));
       if (!alive) wrong.push(`${offer.name} changes nothing with debug ${view || "none"}`);
     }
-    if (clicks) run(new Map([...changed(start, "debug", null), ["pixel", "20,20"], ["pixel-code", true]]));
+    if (clicks) run(new Map([...changed(start, "debug", null), ["pixel", "20,20"], ["pixel-code", true], ["pixel-rays", true]]));
   }
   return wrong;
 }
@@ -299,6 +301,34 @@ async function page_is_live(browser, page) {
   await browser.view(1280, "light");
 }
 
+// Over the picture, at the places that the driver prints.
+async function a_clicked_pixel_shows_its_rays(browser) {
+  const args = "--scene cornell --shadows --reflections --width 120 --height 120";
+  await browser.open(`file://${weave({driver: "shading", args}, "shadows")}`);
+  await browser.until('document.querySelector(".live").dataset.drawn');
+  for (const [pixel, legend] of [["37,95", "shadow ray, reaches the light; reflected ray"], ["100,107", "shadow ray, does not reach it"]]) {
+    const [x, y] = await browser.value(`(() => {
+      const {left, top, width} = document.querySelector(".live canvas").getBoundingClientRect();
+      return [${pixel}].map((at, i) => [left, top][i] + (at + .5) / 120 * width);
+    })()`);
+    for (const type of ["mousePressed", "mouseReleased"]) await browser.mouse(type, x, y);
+    await browser.until(`document.querySelector(".live").dataset.explained === "${pixel}"`);
+    const shown = await browser.value(`({
+      lines: [...document.querySelectorAll(".live .rays line:not(.under)")].map((line) => [line.getAttribute("class"), ...["x1", "y1", "x2", "y2"].map((name) => line.getAttribute(name))].join(" ")),
+      legend: [...document.querySelectorAll(".live .legend span")].map((part) => part.textContent).join("; "),
+      over: ["canvas", "svg.rays"].map((part) => JSON.stringify(document.querySelector(".live " + part).getBoundingClientRect())),
+      view: document.querySelector(".live svg.rays").getAttribute("viewBox")})`);
+    const wanted = native("shading", [...args.split(" "), "--pixel", pixel, "--pixel-rays"]).printed.match(/^@ (?!camera).*/gm).map((line) => line.slice(2));
+    check(wanted.length > 0 && shown.lines.sort().join() === wanted.sort().join() && shown.view === "0 0 120 120" && shown.over[0] === shown.over[1],
+      `the rays of pixel ${pixel} are drawn where the driver says`, `${JSON.stringify(shown)}\n-- instead of --\n${wanted}`);
+    check(shown.legend === legend, "with a legend of those that there are", shown.legend);
+    const under = await browser.value('[...document.querySelectorAll(".live line.under")].map((line) => getComputedStyle(line).stroke)');
+    check(under.length > shown.lines.length && under.every((colour) => colour === "rgb(0, 0, 0)"), "each on a dark line, which is seen where the page or the picture is light", under.join());
+  }
+  await browser.value('document.querySelector(".live input[name=shadows]").click()');
+  check(await browser.until('document.querySelectorAll(".live .rays line").length === 0 && !document.querySelector(".live .legend span")'), "a new setting takes them away");
+}
+
 async function a_clicked_pixel_tells_its_fraction(browser) {
   const args = "--debug rays --light-samples 16 --light-visibility rays --pixel 51,52 --width 60 --height 60";
   await browser.open(`file://${weave({driver: "parallelogram_light", args}, "light-samples=1..64", "click=draw")}`);
@@ -333,21 +363,84 @@ async function told(url, condition) {
   return null;
 }
 
+const words = (browser, place) => browser.value(`document.querySelector("${place}").innerText`);
+
+// What the page of a claim that fails shows, and that it asks for nothing else.
+async function loop_shows_the_task(browser) {
+  const first = await words(browser, "#first"), step = await words(browser, "#step-1.current"), place = await words(browser, "#path");
+  check(/^Step 1: lambert falls with the cosine\s+got.x: got 0.5, want 1 .*\s+in tests\/test_shading.c:\d+/.test(first), "the page begins with the claim to work on, what it got, and where", first);
+  check(/rk_shade: off, Lambert/.test(step) && /Given/.test(step) && /Hint: a nudge/.test(step), "its step says what to write, what is given, and hints", step);
+  check(place === path.join(folder, "shading.c"), "it names the file to edit", place);
+  const said = await words(browser, "#drawn");
+  check(/^Step 1: the picture differs in \d+ % of the 400 x 400 pixels, most at \d+,\d+; teapot/.test(said), "the comparison stands below the pictures", said);
+  const marks = await browser.value(`[...document.querySelectorAll(".claims li[data-verdict]")].map((item) => item.dataset.verdict)`);
+  check(marks.length > 30 && new Set(marks).size === 2 && marks.includes("failed"), "each claim has its verdict", marks.join());
+  const loaded = await browser.value(`performance.getEntriesByType("resource").map(({name}) => name.replace(/.*:\\d+|\\?.*/g, "")).filter((name) => !name.startsWith("/picture/")).sort().join()`);
+  const wanted = ["/elements.mjs", "/icon.svg", "/native.mjs", "/pixel.mjs", "/ray_trees.mjs", "/said.mjs", "/task", "/task.mjs", "/verdicts.mjs", "/workbench.css"];
+  check(loaded === wanted.join(), "it loads neither compiler nor editor", loaded);
+  const absent = await browser.value(`["#text", "#save", "#open", "#again", "#assignment", ".cm-editor", "[rel=manifest]"].filter((part) => document.querySelector(part)).join() + navigator.serviceWorker.controller`);
+  check(absent === "null", "and has none of their controls", absent);
+}
+
+// The header of what is given, from the server.
+async function loop_shows_a_header(browser) {
+  await browser.value('document.querySelector("#first p button.place").click()');
+  const line = await words(browser, "#header_text mark"), [, number] = (await words(browser, "#header_name")).match(/^test_shading\.c, line (\d+)$/) || [];
+  check(line && line.trim() === fs.readFileSync(`${source}/tests/test_shading.c`, "utf8").split("\n")[number - 1].trim(), "the place of a claim that fails leads to the suite's line", `${number} ${line}`);
+  await browser.value('document.getElementById("header_close").click()');
+
+  await browser.value('document.querySelector("#step-1 button.place").click()');
+  await browser.until('document.getElementById("header").open');
+  const header = await words(browser, "#header");
+  check(/^[a-z]+\/\w+\.h\s[^]*\brk_\w+/.test(header), "a button shows the header of what is given", header.slice(0, 200));
+  await browser.value('document.getElementById("header_close").click()');
+}
+
+// A state in which the next assignment waits, as make start tells it.
+async function loop_goes_on(browser) {
+  await browser.value('events_of_page.onmessage({data: JSON.stringify({...JSON.parse(events_of_page.last), next: "bloom"})})');
+  check(await browser.until(`document.querySelector("#state button").textContent === "go on to bloom"`), "a button leads to the next assignment", await words(browser, "#state"));
+  await browser.value('document.querySelector("#state button").click()');
+  check(await browser.until('performance.getEntriesByType("resource").some(({name}) => name.endsWith("/next"))'), "and tells the server");
+}
+
+// Keeps what the page is told.
+const LISTENS = `{
+  const Source = EventSource;
+  EventSource = class extends Source {
+    constructor(address) {
+      super(address);
+      globalThis.events_of_page = this;
+      this.addEventListener("message", ({data}) => { this.last = data; });
+    }
+  };
+}`;
+
 // A click on the student's picture: two trees of rays, and where they begin to differ.
 async function loop_compares_rays(browser, url, lint) {
-  await browser.open(url, lint ? lint.before : "");
-  await browser.until('document.querySelector("#own").naturalWidth === 400 && !document.querySelector("#own").parentElement.hidden');
+  await browser.open(url, LISTENS + (lint ? lint.before : ""));
+  await browser.until('document.querySelector("#own").width === 400 && document.querySelector("#own").checkVisibility() && document.querySelector("#steps .current")');
+  await loop_shows_the_task(browser);
+  await loop_shows_a_header(browser);
+  await loop_goes_on(browser);
+  await browser.value('document.querySelector("#own").scrollIntoView({block: "center"})');
   const {left, top, width, height} = await browser.value('(({left, top, width, height}) => ({left, top, width, height}))(document.querySelector("#own").getBoundingClientRect())');
   for (const type of ["mousePressed", "mouseReleased"]) await browser.mouse(type, left + width / 2, top + height / 2);
-  await browser.until('document.querySelector("#pixel").dataset.of');
+  await browser.until('document.querySelector("#explained").dataset.of');
   const {marked, values, nested, folded} = await browser.value(`({
     marked: [...document.querySelectorAll(".tree mark")].map((mark) => mark.textContent.replace(/ .*/, "")).join(),
-    values: [...document.querySelectorAll("#pixel td code")].map((code) => code.textContent),
+    values: [...document.querySelectorAll("#explained td code")].map((code) => code.textContent),
     nested: document.querySelectorAll(".tree:first-of-type details details details").length,
     folded: document.querySelectorAll(".tree details:not([open])").length})`);
   check(marked === "adds,adds" && values.length === 2 && values[0] !== values[1], "a click marks where the rays of two units begin to differ, with both values",
     JSON.stringify({marked, values}));
   check(nested === 2 && folded === 0, "lights are nested in hits, and hits in rays", JSON.stringify({nested, folded}));
+  await browser.value('document.querySelector("#own").focus()');
+  for (const key of ["ArrowRight", "ArrowDown", "Enter"]) await browser.key(key);
+  check(await browser.until('document.querySelector("#explained").dataset.of === "201,201"'), "by keys, arrows aim at a pixel, and Enter asks", await words(browser, "#pixel"));
+  await browser.value('document.querySelector("#drawn button").click()');
+  const [place] = (await words(browser, "#drawn")).match(/\d+,\d+(?=;)/);
+  check(await browser.until(`document.querySelector("#explained").dataset.of === "${place}"`), "the place where the pictures differ most is explained by a click, too", place);
   if (lint) await lint.lint("the page of the live loop, with a pixel explained");
 }
 
@@ -366,7 +459,8 @@ async function loop_shows_each_save(browser, lint) {
     check(solved && /^ok/m.test(solved.claims), "the live loop shows that a solution's picture and claims are right", JSON.stringify(solved));
     fs.writeFileSync(unit, solution.replace("rk_scale(kd, diffuse));", "rk_scale(kd, 0.5f * diffuse));"));
     const wrong = await told(url, (known) => known.compared && !known.same && !known.busy);
-    check(wrong && /FAIL/.test(wrong.claims) && wrong.hints.length && wrong.pictures.difference && wrong.broken.length > 1 &&
+    const {steps: [{hints}]} = await (await fetch(`${url}/task`)).json();
+    check(wrong && /FAIL/.test(wrong.claims) && hints.length && wrong.pictures.difference && wrong.broken.length > 1 &&
       wrong.broken.every((claim) => claim.reason), "after a save with a mistake it shows the difference, the failed claims and hints", JSON.stringify(wrong));
     await fetch(`${url}/look?2`);
     const other = await told(url, (known) => known.step === 2 && known.drawn && !known.busy);
@@ -378,20 +472,34 @@ async function loop_shows_each_save(browser, lint) {
       fs.writeFileSync(unit, solution);
       check(await browser.until('document.querySelector("#claims.old") && /^before this save/.test(document.querySelector("#claims").textContent)'),
         "while claims are checked, those of the save before are marked as old");
-      check(await browser.until('document.querySelector("#pixel").textContent.includes("Both explain this pixel alike") && !document.querySelector("#claims.old")'),
+      check(await browser.until('document.querySelector("#explained").textContent.includes("Both explain this pixel alike") && !document.querySelector("#claims.old")'),
         "after the next save, the same pixel is explained again", await browser.value("document.body.innerText"));
+    }
+    fs.writeFileSync(unit, solution.replace(/^rk_vec3 rk_shade\([^{]*\{/m, "$&\n    kd.x == 2;"));
+    const warned = await told(url, (known) => known.warned && !known.busy);
+    check(warned && /^[^\n]*shading\.c:\d+:\d+: warning: /m.test(warned.warned) && /^ok/m.test(warned.claims), "where all claims hold the compiler's warnings are told", JSON.stringify(warned));
+    if (browser) {
+      await browser.until('document.querySelector("#findings li")');
+      const findings = await words(browser, "#compiler");
+      check(/^The compiler warns:\s+shading\.c:\d+: warning: /.test(findings), "and the page has them", findings);
     }
     fs.writeFileSync(unit, "#error unfinished\n");
     const unfinished = await told(url, (known) => known.failed && !known.busy);
     check(unfinished && /unfinished/.test(unfinished.failed) && !unfinished.drawn && unfinished.pictures.own,
       "a unit that does not compile leaves the last picture, and does not call it this save's", JSON.stringify(unfinished));
+    if (browser) {
+      await browser.until('document.querySelector("#state").textContent === "The compiler found an error"');
+      const shown = await browser.value('["#first", "#said", "#whose"].map((place) => document.querySelector(place).innerText).join("|")');
+      check(/^The compiler found an error\s+#error unfinished\s+in shading.c:1\|.*shading.c:1:2: error: #error unfinished[^]*\|by your code, before this save$/.test(shown), "and the page has the compiler's words", shown);
+      if (lint) await lint.lint("the page of the live loop, with a unit that does not compile");
+    }
     fs.writeFileSync(unit, solution.replace(/^rk_vec3 rk_shade\([^{]*\{/m, "$&\n    for (volatile int i = 1; i; i = 1)\n        ;"));
     const endless = await told(url, (known) => known.busy.includes("checking") && known.late.some((claim) => /^still running after .* s \(it took .* s before\): perhaps an endless loop$/.test(claim.reason)));
-    check(endless && endless.held + endless.broken.length + endless.late.length < endless.of, "an endless loop is told soon where claims passed before, while others are still checked", JSON.stringify(endless));
+    check(endless && endless.held.length + endless.broken.length + endless.late.length < endless.of, "an endless loop is told soon where claims passed before, while others are still checked", JSON.stringify(endless));
     const slow = "for (volatile int i = 0; kd.z == 1e-10f && i < 1500000000; i++)\n        ;"; // in a call of one claim
     fs.writeFileSync(unit, solution.replace(/^rk_vec3 rk_shade\([^{]*\{/m, `$&\n    ${slow}`));
     const late = await told(url, (known) => known.drawn && !known.busy);
-    check(late && /^ok/m.test(late.claims) && late.held === late.of && !late.late.length, "a unit that is much slower than before, but right, is right", JSON.stringify(late));
+    check(late && /^ok/m.test(late.claims) && late.held.length === late.of && !late.late.length, "a unit that is much slower than before, but right, is right", JSON.stringify(late));
     const {hostname, port} = new URL(url);
     const status = await new Promise((resolve) => http.get({hostname, port, path: "/events", headers: {Host: "elsewhere.example"}},
       (answer) => resolve(answer.statusCode)));
@@ -415,7 +523,9 @@ async function loop_follows_the_steps(browser) {
     }).on("end", resolve));
     const url = said.match(/http:\S+(?=\/)/)[0];
     const begun = await told(url, (known) => known.step === 1 && known.drawn && !known.busy);
-    check(begun && /rk_normals_colour/.test(begun.task.write) && begun.task.given.length, "it names what is to be written, and what is given for it", JSON.stringify(begun));
+    const {steps: [{write, given}]} = await (await fetch(`${url}/task`)).json();
+    check(begun && begun.task === 1 && /rk_normals_colour/.test(write) && given.length, "it names what is to be written, and what is given for it", JSON.stringify([begun, write, given]));
+    check(begun && begun.unwritten.length === 0, "what is written is not called unwritten", JSON.stringify(begun));
     check(begun && !begun.passed, "the live loop begins with the first step that is broken", JSON.stringify(begun));
     fs.writeFileSync(unit, first);
     const passed = await told(url, (known) => known.step === 2 && known.drawn && !known.busy);
@@ -426,8 +536,16 @@ async function loop_follows_the_steps(browser) {
     check(turned && turned.step === 2 && !turned.passed, "normals that point inwards draw the wanted picture, and break claims", JSON.stringify(turned));
     if (browser) {
       await browser.open(url);
-      check(await browser.until('/the picture is the same, but does not show all: the claims decide/.test(document.querySelector("#says").textContent)'),
+      check(await browser.until('/the wanted picture, but some claims up to this step fail, which it does not show/.test(document.querySelector("#drawn").textContent)'),
         "the page then says that the claims decide", await browser.value("document.body.innerText"));
+    }
+    fs.writeFileSync(unit, solution.replace(/^ *\/\* solution \*\/\n[^]*?\/\* starter\n([^]*?)^ *end \*\/\n/gm, "$1"));
+    const starter = await told(url, (known) => known.unwritten.length && known.drawn && !known.busy);
+    check(starter && starter.unwritten.join() === "1,2", "of a starter it tells which steps are not written yet", JSON.stringify(starter));
+    if (browser) {
+      check(await browser.until('/^Step 1: not written yet; /.test(document.querySelector("#drawn").textContent)'), "and the page says so of the picture", await words(browser, "#drawn"));
+      const steps = await browser.value('[...document.querySelectorAll("#steps .points")].map((one) => one.textContent).join("; ")');
+      check(/^\d+ points, not written yet; \d+ points, not written yet$/.test(steps), "and of each step", steps);
     }
   } finally {
     process.kill(-make.pid, "SIGTERM");
@@ -451,18 +569,22 @@ async function main() {
   every_control_does_something();
   a_scene_is_kept_between_frames();
   each_option_draws_with_a_kept_scene();
+  const converging = require("./test_live_converge.js")({check, native, run: (...args) => runDriver(module_, ...args), difference, weave});
+  converging.means_have_less_noise();
   if (!pandoc || !chromium) {
     console.log(`ok ${++count} - pages # SKIP ${pandoc ? "Chromium is missing: ./bootstrap --pdf" : "pandoc is missing: ./bootstrap"}`);
     await loop_shows_each_save();
     await loop_follows_the_steps();
   } else {
-    const page = weave(FIGURE, OPTIONS), browser = new Browser(chromium, folder);
+    const page = weave(FIGURE, OPTIONS), browser = new Browser(chromium, folder, ["--force-prefers-reduced-motion"]); // pictures stay as they are drawn
     try {
       await page_is_live(browser, page);
+      await a_clicked_pixel_shows_its_rays(browser);
       await a_clicked_pixel_tells_its_fraction(browser);
       await false_colours_have_a_bar(browser);
+      await converging.page_converges(browser);
       await page_stays_without_webassembly(browser, page);
-      await require("./test_live_widgets.js")({check, native, weave, differs, browser});
+      await require("./test_live_widgets.js")({check, native, run: (...args) => runDriver(module_, ...args), weave, differs, browser});
       const lint = script && require("./test_live_axe.js")({check, browser, source, folder, script});
       if (lint) await lint.woven_pages();
       else console.log(`ok ${++count} - axe-core finds nothing # SKIP axe-core is missing: ./bootstrap --live installs it, by npm`);

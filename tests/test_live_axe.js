@@ -2,6 +2,7 @@
 "use strict";
 
 const {execFileSync} = require("child_process");
+const fs = require("fs");
 const axe = require("./axe.js");
 
 const FEATURE = "bloom"; // its chapter has a live figure, a comparison, a table, a plot, formulas, steps and mistakes
@@ -44,10 +45,18 @@ module.exports = ({check, browser, source, folder, script}) => {
 
   async function woven_pages() {
     weave("docs/make_book");
-    await open("docs/out.some/book/index.html");
-    await lint("a chapter's page");
-    const unseen = await browser.value(`${JSON.stringify(PARTS)}.filter((part) => !document.querySelector(part)).join(", ")`);
-    check(!unseen, "and has seen a live figure with an explained pixel, a comparison, tables, formulas, thumbnails and claims", unseen);
+    const pages = fs.readdirSync(`${folder}/docs/out.some/book`).filter((name) => name.endsWith(".html"));
+    let unseen = PARTS;
+    for (const page of pages) {
+      await open(`docs/out.some/book/${page}`);
+      await lint(`a page of a chapter, ${page}`);
+      unseen = await browser.value(`${JSON.stringify(unseen)}.filter((part) => !document.querySelector(part))`);
+      await browser.close();
+    }
+    check(!unseen.length, "and has seen a live figure with an explained pixel, a comparison, tables, formulas, thumbnails and claims", unseen.join());
+    const text_of = (page) => fs.readFileSync(`${folder}/docs/out.some/book/${page}`, "utf8");
+    const [begin] = pages.filter((page) => /^(?:(?!class="caption")[^])*<img (?:(?!class="caption")[^])*<figcaption class="caption"/.test(text_of(page)));
+    await open(`docs/out.some/book/${begin}`);
     await mistakes_are_found();
     await browser.close();
     await open("docs/out.some/book.html");

@@ -2,7 +2,7 @@
 // pictures that a widget shows are the native driver's.
 "use strict";
 
-module.exports = async ({check, native, weave, differs, browser}) => {
+module.exports = async ({check, native, run, weave, differs, browser}) => {
   const live = 'document.querySelector(".live")', says = `(() => { // with all digits
     const text = ${live}.querySelector(".widget .numbers").cloneNode(true);
     for (const data of text.querySelectorAll("data")) data.textContent = data.value;
@@ -47,12 +47,36 @@ module.exports = async ({check, native, weave, differs, browser}) => {
   const same = (got, wanted, what) => check(got === wanted, what, `${got}\n-- instead of --\n${wanted}`);
   const contains = (text, parts, what) => check(parts.every((part) => text.includes(part)), what, `${text}\n-- without one of --\n${parts.join(", ")}`);
 
+  // The table below the n-th plot that has one: the driver's values, which are copied and saved as CSV, as well.
+  async function tells(name, n, heads, rows) {
+    const data = `[...${live}.querySelectorAll(".widget .data:not([hidden])")][${n}]`;
+    await browser.until(`${data}.open = true, ${data}.querySelectorAll("tbody tr").length === ${rows.length}`);
+    const {table, copied, saved, beside} = await browser.value(`(async () => {
+      const data = ${data}, cells = (part) => [...data.querySelectorAll(part + " tr")].map((row) => [...row.children].map((cell) => cell.textContent).join());
+      let copied = "", blob = null;
+      Object.defineProperty(navigator, "clipboard", {configurable: true, value: {writeText: async (text) => { copied = text; }}});
+      URL.createObjectURL = (one) => { blob = one; return "#"; };
+      data.querySelector("button").click();
+      data.querySelector(".save").onclick();
+      return {table: [...cells("thead"), ...cells("tbody")], copied, saved: await blob.text(), beside: data.previousSibling.tagName};
+    })()`);
+    const wanted = rows.map((row) => row.map((cell) => String(isNaN(cell) ? cell : Number(cell))).join());
+    const other = wanted.findIndex((line, i) => line !== table[i + 1]);
+    check(table.length === wanted.length + 1 && other < 0, `${name}: the table below plot ${n} has the unit's numbers`, `${table[other + 1]} instead of ${wanted[other]}`);
+    check(table[0] === heads.join() && beside === "svg", `${name}: its columns have heads, with units`, table[0]);
+    const csv = [heads.map((head) => head.includes(",") ? `"${head}"` : head).join(), ...wanted, ""].join("\n");
+    check(copied === csv && saved === csv, `${name}: it is copied and saved as CSV`, `${copied.slice(0, 200)}\n-- or --\n${saved.slice(0, 200)}`);
+  }
+
   const widgets = {
     async sah() {
       const args = "--scene statue:200 --bins 12 --debug bad-split --candidate 0 --width 120 --height 120";
       if (!await open("sah_binning", "sah", args, "bins=2..50 node=0..30")) return;
       const {rows} = native("sah_binning", "--scene statue:200 --bins 12 --splits".split(" "), "sah_binning_splits");
       const numbers = ({cost, left, right}) => [`cost ${cost} `, `${left} left`, `${right} right`];
+      const costs = (all) => all.filter(({axis}) => axis === all[0].axis && axis).map(({plane, cost}) => [plane, cost]);
+      const heads = [`the plane's place on the ${"xyz"[rows[0].axis]} axis, world units`, "expected cost of a ray"];
+      await tells("sah", 0, heads, costs(rows));
       await keys(1, "ArrowRight", 2);
       const moved = await settled(`/--candidate 2 /.test(${live}.dataset.drawn)`);
       contains(await browser.value(says), numbers(rows[2]), "sah: an arrow key moves the plane to the unit's next split");
@@ -60,7 +84,7 @@ module.exports = async ({check, native, weave, differs, browser}) => {
       await drag(0, .3);
       const dragged = Number(option(await settled(`!/--candidate 2 /.test(${live}.dataset.drawn)`), "candidate"));
       contains(await browser.value(says), numbers(rows[dragged]), "sah: the plane is dragged over the triangles to the unit's splits");
-      await browser.value(`${live}.querySelector(".widget button").click()`);
+      await browser.value(`${live}.querySelector(".widget > button").click()`);
       const least = rows.findIndex((row) => row.cheapest === "1");
       same(option(await settled(`!/--candidate ${dragged} /.test(${live}.dataset.drawn)`), "candidate"), String(least), "sah: the cheapest split is the unit's");
       await browser.value(`(() => {
@@ -70,6 +94,7 @@ module.exports = async ({check, native, weave, differs, browser}) => {
       })()`);
       same(option(await settled('/--bins 2 /.test(document.querySelector(".live").dataset.drawn)'), "candidate"), "0",
         "sah: where there is no such split, the cheapest is drawn");
+      await tells("sah", 0, heads, costs(native("sah_binning", "--scene statue:200 --bins 2 --splits".split(" "), "sah_binning_splits").rows));
     },
 
     async light() {
@@ -81,6 +106,7 @@ module.exports = async ({check, native, weave, differs, browser}) => {
       const chosen = await settled(`${says}.startsWith("16 samples")`);
       contains(await browser.value(says), told(rows[4]), "light: the error and rays of 16 samples are the unit's");
       same(chosen ? await differs(browser, "parallelogram_light") : "no such picture", "", "light: the picture is the driver's of as many samples");
+      await tells("light", 0, ["lamp", "samples on the light", "error, RMSE of radiance"], rows.map(({samples, rmse}) => ["now", samples, rmse]));
       await drag(0, -.1, .1);
       await drag(1, .02, -.03);
       const moved = await settled(`${live}.dataset.answered.includes("--lamp-size ") && ${says}.startsWith("64 samples") && ${live}.dataset.drawn.includes("-samples 64")`);
@@ -89,6 +115,8 @@ module.exports = async ({check, native, weave, differs, browser}) => {
       const again = native("parallelogram_light", [...moved, ...growth], "parallelogram_light_growth").rows;
       contains(await browser.value(says), told(again[6]), "light: the errors of the moved lamp are the unit's");
       same(await differs(browser, "parallelogram_light"), "", "light: and so is its picture");
+      const now = await browser.value(`[...${live}.querySelectorAll(".widget .data:not([hidden]) tbody tr")].map((row) => [...row.children].map((cell) => cell.textContent).join()).filter((row) => row.startsWith("now"))`);
+      same(now.join("\n"), again.map(({samples, rmse}) => `now,${samples},${Number(rmse)}`).join("\n"), "light: the table follows the moved lamp");
     },
 
     async lens() {
@@ -101,6 +129,9 @@ module.exports = async ({check, native, weave, differs, browser}) => {
       const {rows} = native("depth_of_field", [...args.replace("-distance 2 ", "-distance 2.15 ").split(" "), "--circles"], "depth_of_field_circles");
       const shown = (await browser.value(says)).match(/A circle of (\S+) pixels around a point at distance (\S+)\. /);
       const row = rows.find(({distance}) => shown && distance === shown[2]);
+      const circles = rows.filter((one) => one.distance), most = 2.5 * circles[circles.length - 1].diameter;
+      await tells("lens", 1, ["distance from the lens, world units", "diameter, pixels"],
+        circles.filter(({diameter}) => Number(diameter) <= Math.max(2, most)).map(({distance, diameter}) => [distance, diameter]));
       check(row && row.diameter === shown[1] && Number(row.distance) > 3, "lens: the dragged point's circle of confusion is the unit's", JSON.stringify([shown, row]));
     },
 
@@ -116,6 +147,8 @@ module.exports = async ({check, native, weave, differs, browser}) => {
       const blurred = await settled(`${live}.dataset.drawn.includes("-close ${close} ") && ${live}.dataset.answered.includes("-close ${close} ")`);
       const {rows} = native("motion_blur", ["--shutter-open", open_, "--shutter-close", close, "--positions"], "motion_blur_shutter");
       const row = rows.find((one) => one.object === "0");
+      await tells("motion", 0, ["time", "displacement along x, world units", "displacement upwards, world units"],
+        native("motion_blur", ["--positions"], "motion_blur_path").rows.filter(({object}) => object === "0").map(({time, x, y}) => [time, x, y]));
       contains(await browser.value(says), [`(${row.from_x}, ${row.from_y}) to (${row.to_x}, ${row.to_y})`], "motion: the displacements are the unit's");
       same(blurred ? await differs(browser, "motion_blur") : "no such picture", "", "motion: the blurred picture is the driver's");
     },
@@ -132,6 +165,8 @@ module.exports = async ({check, native, weave, differs, browser}) => {
       await said(1);
       await keys(0, "ArrowRight", 4);
       await said(1.42);
+      const {rows} = native("bloom", [...args.replace("-threshold 1 ", "-threshold 1.42 ").split(" "), "--histogram"], "bloom_histogram");
+      await tells("bloom", 0, ["luminance from", "luminance to", "pixels"], rows.filter(({bin}) => bin).map(({low, high, pixels}) => [low, high, pixels]));
       same(await differs(browser, "bloom"), "", "bloom: the picture follows the threshold, and is the driver's");
       await drag(0, -.2);
       const dragged = await settled(`!${live}.dataset.drawn.includes("-threshold 1.42 ")`);
@@ -154,6 +189,9 @@ module.exports = async ({check, native, weave, differs, browser}) => {
       const moved = await settled(`!${live}.dataset.drawn.includes("-incidence 60 ") && ${live}.dataset.answered.includes("-incidence " + ${live}.dataset.drawn.match(/-incidence (\\S+)/)[1])`);
       check(Number(option(moved, "incidence")) < 60, "lobes: dragging the light turns it", moved && moved.join(" "));
       await seen(option(moved, "incidence"), 57.5, "lobes: the radiance follows the light");
+      const given = args.replace("--debug lobe --incidence 60", `--incidence ${option(moved, "incidence")}`).split(" ");
+      await tells("lobes", 0, ["angle from the normal, degrees", "radiance", "diffuse", "highlight"],
+        run(["shading", ...given, "--radiance"]).rows.map((row) => [row.angle, row.radiance, row.diffuse, row.highlight])); // the native powf has other last digits
       same(await differs(browser, "shading"), "", "lobes: and so does the driver's picture");
     },
 

@@ -78,7 +78,7 @@ def build_for_debugging(toolchain, feature, features, impl):
         raise missing_unit(feature, impl)
     folder = os.path.join(toolchain.build, "impl", "debug")
     os.makedirs(folder, exist_ok=True)
-    flags = [*toolchain.sanitize, "-O0", "-g3"]
+    flags = [*toolchain.sanitize, *toolchain.fill, "-O0", "-g3"]
     path, warnings = build.compile_unit(toolchain, unit, folder, flags)
     if warnings:
         print(warnings, file=sys.stderr)

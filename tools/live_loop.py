@@ -2,13 +2,16 @@
 """Shows a unit in the browser: after every save its picture, the wanted one, where they differ, and the
 claims. Ctrl-C ends it.
 
-A server for this machine alone. The page is tools/live/loop.html; it gets everything that is known, as JSON,
-whenever something of it changes. A click on a picture asks both drivers to explain the pixel."""
+A server for this machine alone. The page is the site's workbench, with tools/live/native.mjs in the place of
+the compiler; it gets everything that is known, as JSON, whenever something of it changes. A click on a
+picture asks both drivers to explain the pixel."""
 
+import glob
 import http.server
 import json
 import mimetypes
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -16,15 +19,15 @@ import threading
 import time
 import urllib.parse
 
-import hint
-from draw import SIDE, choose_look, small
+from draw import choose_look, small
 from drivers import driver_of, private_folder
 from grade import require_units, stop_on_signals
-from grading.assignments import Parser, choose, read_features, read_looks, read_points, run_loop
+from grading.assignments import Parser, choose, find_unit, read_features, read_looks, read_points, run_loop
 from grading.build import Toolchain
 from grading.private_copy import own_folder
 from grading.processor_time import limited
-from handout_text import handout_of, task_of
+from grading.starters import unsolved_steps
+from task_page import task_page
 from watch import Check, changed_at, claims_in, command_of_tool, late_line, state
 
 _LOOK_SECONDS = 0.05
@@ -33,6 +36,23 @@ _SOON = 3  # seconds in which most pictures are drawn
 _TURNING = "turning to the next step"
 _SIDE = 400  # of a picture, as large as the page shows it
 _TOOLS = os.path.dirname(os.path.abspath(__file__))
+_PAGE = os.path.join(_TOOLS, "workbench", "workbench.html")
+_PARTS = {os.path.basename(path): path for path in (os.path.join(_TOOLS, "live", "native.mjs"),
+                                                    *glob.glob(os.path.join(_TOOLS, "workbench", "*")))}
+_KINDS = {".css": "text/css; charset=utf-8", ".mjs": "text/javascript; charset=utf-8",
+          ".svg": "image/svg+xml"}
+_SITE_OR_NATIVE = re.compile(r"(?:<!-- site -->\n.*?)?<!-- native\n(.*?)end -->\n", re.DOTALL)
+
+
+_EXPLAINS = re.compile(r"^camera ray$", re.MULTILINE)
+_OF_A_VIEW = re.compile(r": (--[\w-]+) goes with --debug")
+
+
+def _without(options, option):
+    """Returns the options without one, and without its value."""
+    at = options.index(option)
+    is_alone = "".join(options[at + 1 : at + 2]).startswith("--") or at + 1 == len(options)
+    return options[:at] + options[at + (1 if is_alone else 2) :]
 
 
 def _shown(output, start):
@@ -78,6 +98,8 @@ class Picture:
         if built and built[0]:
             loop.tell(ends="drawing", failed=built[1])
         elif built:
+            said = re.sub(r"^run .*\n", "", built[1], flags=re.MULTILINE)
+            loop.tell(warned=said if ": warning: " in said else "")
             commands = loop.commands()
             drawn = self._run(limited(commands[0], _PATIENCE))
             compared = self._run(limited(commands[1], _PATIENCE)) if drawn and commands[1:] else drawn
@@ -107,8 +129,6 @@ class Loop:
     def __init__(self, toolchain, feature, impl, step, folder):
         self._impl, self._feature, self._tests = impl, feature, {test.name: test
                                                                  for test in read_points(feature)}
-        self._handout = handout_of(toolchain.source, feature)
-        self._hints = hint.hints_of(self._handout)
         self._is_step_chosen, self.asked, self.goes_on = bool(step), None, False
         self._own = os.path.join(folder, feature.stem)
         of_the_kit = f"assignments/{feature.folder}/{feature.stem}"
@@ -117,12 +137,11 @@ class Loop:
         self.building = [*command_of_tool("drivers", "-B"), "--build", toolchain.build, "--impl", impl,
                          "--only", feature.stem, "--into", folder]
         self.files, self.changed, self._doing = {}, threading.Condition(), set()
-        self.known = {"version": 0, "stem": feature.stem, "claims": "", "busy": "", "says": "", "failed": "",
-                      "hints": [],
-                      "seconds": 0, "held": 0, "broken": [], "late": [],
-                      "of": len(self._tests), "drawn": False, "passed": "", "next": "", "read": "",
-                      "task": {},
-                      "kit": bool(self.kit), "scale": 1 if self.kit else _SIDE / SIDE,
+        self.known = {"version": 0, "save": 0, "stem": feature.stem, "claims": "", "busy": "", "says": "",
+                      "failed": "", "warned": "", "undrawn": "", "seconds": 0,
+                      "held": [], "broken": [], "late": [],
+                      "of": len(self._tests), "drawn": False, "passed": "", "next": "", "kit": bool(self.kit),
+                      "unwritten": [],
                       "looks": [[look.step, look.caption] for look in read_looks(feature)]}
         self._look_at(choose_look(feature, step) if step else read_looks(feature)[0], task=step or 1)
 
@@ -131,15 +150,22 @@ class Loop:
         step to work on, if that has no picture of its own."""
         self.files = {} if self.kit else {"wanted": look.picture}
         self._options, self._small = small(look.options, _SIDE), small(look.options)
-        self._tell_task(int(task or look.step))
         self.tell(step=look.step, caption=look.caption, command=f"{driver_of(self._feature)} {look.options}",
-                  same=False,
-                  compared="", says="", drawn=False, passed=passed, ends=_TURNING)
+                  task=int(task or look.step), same=False, compared="", says="", undrawn="", drawn=False,
+                  passed=passed, ends=_TURNING)
 
-    def _tell_task(self, step):
-        """Tells what is to be written in a step, and what is given for it."""
-        write, given = task_of(self._handout, step)
-        self.tell(task={"step": step, "write": write, "given": given})
+    def unwritten(self):
+        """Returns the steps that are left to write."""
+        unit = find_unit(self._feature, self._impl)
+        return unsolved_steps(unit) if unit.path else []
+
+    def task(self):
+        """Returns what the page shows of the assignment."""
+        page = self._feature.page()
+        book = f"/{os.path.relpath(page.parent, self._feature.source)}/" if page else ""
+        task = task_page(self._feature.source, self._feature, str, book,
+                         lambda section: self._feature.page(section).name if page else "")
+        return {**task, "file": find_unit(self._feature, self._impl).shown}
 
     def _next_look(self, step):
         """Returns the row of the next picture that the student can reach; None if that is shown, or another
@@ -159,12 +185,14 @@ class Loop:
         self._look_at(look, f"all claims up to step {held} hold{picture}" if look.step > before else "", step)
         return True
 
-    def page_of_book(self, address):
-        """Returns the file of a book that the page may link to, None if there is none of this name."""
-        docs = os.path.realpath(os.path.join(self._feature.source, "docs"))
-        path = os.path.realpath(docs + urllib.parse.unquote(address[len("/docs"):]))
-        rooms = tuple(os.path.join(docs, room, "") for room in ("out", "handout"))
-        return path if path.startswith(rooms) and os.path.isfile(path) else None
+    def file_at(self, address):
+        """Returns the file of a book, or the kit's header, that the page may ask for; None if there is none
+        of this name."""
+        source = os.path.realpath(self._feature.source)
+        path = os.path.realpath(source + urllib.parse.unquote(address))
+        books = tuple(os.path.join(source, "docs", room, "") for room in ("out", "handout"))
+        is_header = path.startswith(os.path.join(source, "src", "")) and path.endswith(".h")
+        return path if (path.startswith(books) or is_header) and os.path.isfile(path) else None
 
     def drawing(self, name, driver=None):
         """Returns the command that draws the picture of this name."""
@@ -193,21 +221,24 @@ class Loop:
         self.files["own"] = path or self.files.get("own", "")
         self.files["difference"] = difference if os.path.exists(difference) else ""
         self.tell(ends="drawing", drawn=bool(path),
-                  failed=(said or f"the driver ended with status {status}") if status else "", says=caption,
+                  undrawn=(said or f"the driver ended with status {status}") if status else "", says=caption,
                   same=comparison.endswith("is the same"),
                   compared=comparison.partition(": the picture ")[2].partition(";")[0])
 
     def explain(self, pixel):
         """Returns the explanations of a pixel by the student's unit and by the kit's, or why a picture has
-        none. Few debug views explain pixels; most show the scene, which is explained without them."""
-        options = self._options
-        if "--debug" in options:
-            texts = self._explain(options, pixel)
+        none. Some debug views show the scene and do not explain it: then it is explained without them and the
+        options that go with them."""
+        options, option = self._options, "--debug"
+        texts = self._explain(options, pixel)
+        while option in options and not _EXPLAINS.search(texts[0]):
             if "there is no pixel to explain" in texts[0]:
                 return [texts[0]]
-            at = options.index("--debug")
-            options = options[:at] + options[at + 2 :]
-        return self._explain(options, pixel)
+            options = _without(options, option)
+            texts = self._explain(options, pixel)
+            odd = _OF_A_VIEW.search(texts[0])
+            option = odd[1] if odd else ""
+        return texts
 
     def _explain(self, options, pixel):
         runs = [subprocess.Popen(limited([driver, *options, "--pixel", pixel, "--quiet", "--out",
@@ -238,14 +269,12 @@ class Loop:
         return next((str(claim["step"]) for claim in self.known["broken"] if claim["step"]), "")
 
     def _take_claims(self, claims, seconds):
-        """Tells the grader's verdict, with the hints to the step of the first broken claim."""
+        """Tells the grader's verdict, and at once whether another picture follows."""
         step = self._first_step()
-        self.tell(ends="checking the claims", claims=claims, seconds=seconds, hints=self._hints.get(step, []),
-                  read=self._page_to_read())
+        self.known["claims"] = claims
+        self.tell(begins=[_TURNING] if self._may_go_on() else [], ends="checking the claims", seconds=seconds)
         if step and not self._is_step_chosen:
-            self._tell_task(int(step))  # which may have no picture of its own
-        if self._may_go_on():
-            self.tell(begins=[_TURNING])
+            self.tell(task=int(step))  # which may have no picture of its own
 
     def _may_go_on(self):
         """Whether the picture of the first broken claim is another."""
@@ -253,19 +282,13 @@ class Loop:
         return ((step or self.known["claims"].startswith("ok")) and not self._loops_forever()
                 and self._next_look(step))
 
-    def _page_to_read(self):
-        """Returns the server's address of the section for the first broken claim, "" without a book."""
-        page, broken = self._feature.page(), self.known["broken"]
-        section = self._tests[broken[0]["name"]].section if broken else ""
-        return "/" + os.path.relpath(page, self._feature.source) + section if page else ""
-
     def _tell_claims_of(self, record):
-        """Tells which claims have ended, from the grader's record: those that are broken and those that are
-        late with their reasons, in the order of work."""
+        """Tells which claims have ended, from the grader's record: those that hold, and those that are broken
+        or late with their reasons, in the order of work."""
         claims = claims_in(record)
         ended = [{"name": name, "points": test.points, "step": test.step, **claims[name]}
                  for name, test in self._tests.items() if name in claims]
-        news = {"held": sum(claim["passed"] for claim in ended),
+        news = {"held": [claim["name"] for claim in ended if claim["passed"]],
                 "broken": [claim for claim in ended if not claim["passed"] and not claim["is_open"]],
                 "late": [claim for claim in ended if claim["is_open"]]}
         if any(self.known[name] != found for name, found in news.items()):
@@ -295,9 +318,10 @@ class Loop:
                         work.end()
                     seen, saved = now, time.monotonic()
                     before = changed_at(record)
-                    self.tell(begins=("drawing", "checking the claims"), failed="", held=0, broken=[],
-                              late=[], drawn=False, same=False,
-                              compared="", says="", passed="", next="", ends=_TURNING)
+                    self.tell(begins=("drawing", "checking the claims"), save=self.known["save"] + 1,
+                              failed="", undrawn="", held=[], broken=[], late=[], drawn=False, same=False,
+                              compared="", says="", passed="", next="", unwritten=self.unwritten(),
+                              ends=_TURNING)
                     check, picture, is_judged, told = Check(grader), Picture(self), False, None
                 elif self.asked is not None:
                     if self.look_asked():
@@ -327,8 +351,8 @@ class Loop:
                         screen.status(late_line(told))
                     if self._loops_forever() and not picture.is_over() and time.monotonic() - saved > _SOON:
                         picture.end()  # its threads slow down the rest of the claims
-                        self.tell(ends="drawing",
-                                  failed="no picture: a claim did not end, and the picture might not, either")
+                        self.tell(ends="drawing", undrawn="no picture: a claim did not end, and the picture "
+                                                          "might not, either")
                 time.sleep(_LOOK_SECONDS)
         except KeyboardInterrupt:
             for number in (signal.SIGINT, signal.SIGTERM):
@@ -340,7 +364,8 @@ class Loop:
 
 
 class Page(http.server.BaseHTTPRequestHandler):
-    """Answers the page: /, /events, /picture/NAME, /pixel?X,Y, /look?STEP, /next, and the book in /docs."""
+    """Answers the page: /, its _PARTS, /task, /events, /picture/NAME, /pixel?X,Y, /look?STEP, /next, the book
+    in /docs, and headers in /src."""
 
     def log_message(self, *_):
         pass
@@ -359,8 +384,13 @@ class Page(http.server.BaseHTTPRequestHandler):
         if host != self.server.host:  # a page from elsewhere that names this machine
             self.send_error(403)
         elif place.path == "/":
-            with open(os.path.join(_TOOLS, "live", "loop.html"), "rb") as file:
-                self._answer(file.read(), "text/html; charset=utf-8")
+            with open(_PAGE, encoding="utf-8") as file:
+                self._answer(_SITE_OR_NATIVE.sub(r"\1", file.read()).encode(), "text/html; charset=utf-8")
+        elif name in _PARTS and place.path == f"/{name}" and (kind := _KINDS.get(os.path.splitext(name)[1])):
+            with open(_PARTS[name], "rb") as file:
+                self._answer(file.read(), kind)
+        elif place.path == "/task":
+            self._answer(json.dumps(loop.task()).encode(), "application/json")
         elif place.path == "/events":
             self._send_events()
         elif place.path == "/pixel" and place.query.replace(",", "", 1).isdigit():
@@ -371,9 +401,7 @@ class Page(http.server.BaseHTTPRequestHandler):
         elif place.path == "/next":
             loop.goes_on = True
             self._answer(b"", "text/plain")
-        elif place.path == "/favicon.ico":
-            self._answer(b"", "image/x-icon")
-        elif place.path.startswith("/docs/") and (path := loop.page_of_book(place.path)):
+        elif place.path.startswith(("/docs/", "/src/")) and (path := loop.file_at(place.path)):
             with open(path, "rb") as file:
                 self._answer(file.read(), mimetypes.guess_type(path)[0] or "application/octet-stream")
         elif place.path.startswith("/picture/") and os.path.isfile(loop.files.get(name, "")):

@@ -7,6 +7,8 @@
 #include "driver/explain_pixel.h"
 #include "driver/unsolved.h"
 
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* Which features' work the missing tree is; rays traverse binary trees by bvh_median's functions.
@@ -85,12 +87,28 @@ static bool time_renders(rk_driver *driver, double *milliseconds, rk_error *erro
     return ok;
 }
 
+/* In one piece, before which stands what units print meanwhile, and after which an empty line. */
+static bool explain_pixel(const rk_driver *driver, rk_error *error)
+{
+    char *text = NULL;
+    size_t size;
+    FILE *apart = open_memstream(&text, &size);
+    if (apart)
+        rk_explain_pixel(apart, &driver->scene, &driver->accel, &driver->render, driver->pixel.x,
+                         driver->pixel.y, driver->pixel_code, driver->pixel_rays);
+    const bool ok = apart && fclose(apart) == 0;
+    if (ok)
+        puts(text);
+    free(text);
+    return ok ||
+           rk_fail(error, "memory is short for what is said of the pixel: close other programs");
+}
+
 bool rk_driver_render(rk_driver *driver, rk_error *error)
 {
     double milliseconds[RK_RUNS_MAX];
-    if (driver->pixel.given)
-        rk_explain_pixel(stdout, &driver->scene, &driver->accel, &driver->render, driver->pixel.x,
-                         driver->pixel.y, driver->pixel_code);
+    if (driver->pixel.given && !explain_pixel(driver, error))
+        return false;
     if (!time_renders(driver, milliseconds, error))
         return false;
     driver->render_ms = rk_timing_of(milliseconds, driver->runs);

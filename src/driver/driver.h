@@ -44,6 +44,7 @@ typedef struct rk_driver {
     const char *compared; /* NULL, or a picture to compare with */
     rk_pixel pixel;
     bool pixel_code;           /* name the C of each step that --pixel explains */
+    bool pixel_rays;           /* say where the rays that it explains are in the picture */
     uint32_t drawn_x, drawn_y; /* per cent of the picture: the default pixel of --debug rays */
     bool quiet;
     bool timing;            /* put rows into the table, draw no picture */

@@ -75,6 +75,8 @@ static const rk_option common_rows[] = {
     {"pixel", RK_FIELD(rk_driver, pixel), "X,Y", NULL},
     {"pixel-code", RK_FIELD(rk_driver, pixel_code), NULL,
      "name the lines of C that do what --pixel explains"},
+    {"pixel-rays", RK_FIELD(rk_driver, pixel_rays), NULL,
+     "say where the rays that --pixel explains begin and end in the picture, in pixels"},
     {"out", RK_FIELD(rk_driver, out), "DIR", "pictures go to DIR/figures, tables to DIR/tables",
      .initial_text = rk_pictures_folder},
     {"compare", RK_FIELD(rk_driver, compared), "FILE",

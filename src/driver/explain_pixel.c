@@ -4,6 +4,7 @@
 #include "driver/explain_pixel.h"
 
 #include "driver/pixel_code.h"
+#include "driver/pixel_rays.h"
 #include "driver/unsolved.h"
 #include "io/srgb8.h"
 #include "render/feature_hooks.h"
@@ -273,8 +274,11 @@ static void print_surface(explanation *e, const rk_hit *hit)
         rk_spawn_reflection(point, &reflected);
     if (reflected.rays.count && e->r->plan.glossy_reflection)
         print_disk(e);
-    if (reflected.rays.count)
+    if (reflected.rays.count) {
+        e->pass->bounce++;
         print_path(e, &reflected, "reflected ray", RK_CODE_REFLECT);
+        e->pass->bounce--;
+    }
     e->depth--;
 }
 
@@ -377,10 +381,13 @@ static void print_pixel(FILE *out, const rk_rendering *r, uint32_t x, uint32_t y
 }
 
 void rk_explain_pixel(FILE *out, const rk_scene *scene, const rk_accel *accel,
-                      const rk_render_options *options, uint32_t x, uint32_t y, bool with_code)
+                      const rk_render_options *options, uint32_t x, uint32_t y, bool with_code,
+                      bool with_rays)
 {
     rk_error error = {""};
     rk_rendering r = rk_rendering_of(scene, accel, options);
+    rk_ray_record record = {.pixel = y * options->width + x};
+    r.record = with_rays ? &record : NULL;
     fprintf(out, "pixel (%u, %u) of %s\n", x, y, scene->name);
     print_notes(out, &r);
     if (rk_features_prepare(&r, &error))
@@ -390,4 +397,6 @@ void rk_explain_pixel(FILE *out, const rk_scene *scene, const rk_accel *accel,
     rk_features_release(&r);
     if (r.plan.bloom)
         fprintf(out, "bloom is added when all pixels are rendered\n");
+    rk_print_pixel_rays(out, &record, &r.view);
+    rk_ray_record_free(&record);
 }

@@ -106,8 +106,7 @@ static float pixel_size_at(const rk_overlay *overlay, float view_depth)
     return view_depth * overlay->view.pixel;
 }
 
-/* Clips a segment at the smallest depth that can be projected; false if none of it is in front. */
-static bool clip_to_front(const rk_view *view, rk_vec3 *from, rk_vec3 *to)
+bool rk_overlay_clip(const rk_view *view, rk_vec3 *from, rk_vec3 *to)
 {
     float from_depth = rk_dot(rk_sub(*from, view->position), view->forward);
     float to_depth = rk_dot(rk_sub(*to, view->position), view->forward);
@@ -143,7 +142,7 @@ void rk_overlay_line(rk_overlay *overlay, rk_vec3 from, rk_vec3 to, rk_vec3 colo
 {
     rk_vec2 a, b;
     float a_depth, b_depth;
-    if (!clip_to_front(&overlay->view, &from, &to) ||
+    if (!rk_overlay_clip(&overlay->view, &from, &to) ||
         !rk_view_project(&overlay->view, from, &a, &a_depth) ||
         !rk_view_project(&overlay->view, to, &b, &b_depth))
         return;

@@ -19,6 +19,9 @@ bool rk_overlay_init(rk_overlay *overlay, rk_image *image, const rk_scene *scene
                      const rk_accel *accel, rk_pool *pool, rk_error *error);
 void rk_overlay_free(rk_overlay *overlay);
 
+/* Clips a segment at the smallest depth that can be projected; false if none of it is in front. */
+bool rk_overlay_clip(const rk_view *view, rk_vec3 *from, rk_vec3 *to);
+
 /* A line `width` pixels wide with smooth edges. Its depth equals its width: a surface hides it only
  * if it is farther than that in front. */
 void rk_overlay_line(rk_overlay *overlay, rk_vec3 from, rk_vec3 to, rk_vec3 colour, float width);

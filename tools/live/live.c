@@ -3,6 +3,7 @@
 #include "driver/driver_main.h"
 #include "driver/driver_options.h"
 #include "driver/unsolved.h"
+#include "mean.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -146,13 +147,14 @@ __attribute__((noinline)) static int draw_below(char *above)
     return status;
 }
 
-__attribute__((export_name("draw_kept"))) int draw_kept(void);
+__attribute__((export_name("draw_kept"))) int draw_kept(rk_mean_part part);
 
 /* Draws the scene that is kept, by a command line with the same options of_scene. Anything but 0:
  * it is freed. */
-int draw_kept(void)
+int draw_kept(rk_mean_part part)
 {
     char above[1 << 18];
+    rk_mean_set_part(part);
     return draw_below(above);
 }
 

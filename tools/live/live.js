@@ -15,6 +15,16 @@
     .live canvas.still { cursor: crosshair; }
     .live canvas:focus-visible { outline: 2px solid var(--link); outline-offset: 2px; }
     .live .mark { position: absolute; width: 13px; height: 13px; margin: -7px 0 0 -7px; border: 1px solid #fff; outline: 1px solid #000; pointer-events: none; }
+    .live .rays { position: absolute; inset: 0; width: 100%; height: 100%; overflow: hidden; pointer-events: none; }
+    .live .rays line, .live .legend line { stroke-width: 2; stroke-linecap: round; vector-effect: non-scaling-stroke; }
+    .live line.reflected { stroke: #fff; }
+    .live line.shadow { stroke: #4da3ff; }
+    .live line.occluded { stroke: #ff9a2e; }
+    .live .screen line.under, .live .legend line.under { stroke: #000; stroke-width: 4; opacity: .55; }
+    .live line.occluded:not(.under) { stroke-dasharray: 5 5; }
+    .live .legend { font: .75rem/1.4 "Helvetica Neue", "Arial", sans-serif; color: var(--soft); margin: .4rem 0 0; display: flex; flex-wrap: wrap; gap: 0 1rem; }
+    .live .legend:empty { display: none; }
+    .live .legend svg { width: 2rem; height: .8rem; vertical-align: middle; margin-right: .35rem; }
     .live .controls { color-scheme: light dark; display: grid; grid-template-columns: auto minmax(5rem, 1fr) 4.5em; gap: .4rem .7rem; align-items: center; font: .78rem/1.3 "Helvetica Neue", "Arial", sans-serif; }
     .live .controls input, .live .controls select { width: 100%; margin: 0; font: inherit; }
     .live .controls input[type=checkbox] { width: auto; justify-self: start; }
@@ -32,6 +42,7 @@
     .live .story .place { color: var(--soft); }
     .live .story .code .now { box-shadow: inset 3px 0 var(--link); }
     .live .story pre span.now { background: var(--line); }
+    .live .converging { font: .75rem/1.4 "Helvetica Neue", "Arial", sans-serif; color: var(--soft); margin: .4rem 0 0; }
     .live .says { font: .75rem/1.4 "Helvetica Neue", "Arial", sans-serif; color: var(--soft); margin: .5rem 0 0; }
     .live .widget { --one: #2b7bd6; --two: #d6453d; font: .78rem/1.4 "Helvetica Neue", "Arial", sans-serif; margin-bottom: 1rem; }
     .live .widget svg { display: block; width: 100%; height: auto; overflow: visible; }
@@ -65,6 +76,13 @@
     .live .fold .eye { inset: 0; width: auto; height: auto; perspective: 50cqw; transform-style: flat; }
     .live .fold .face canvas { width: 100%; height: 100%; border-radius: 0; cursor: inherit; }
     .live .fold .face::after { content: attr(data-name); position: absolute; left: 4px; top: 2px; font-weight: 600; color: #fff; text-shadow: 0 0 2px #000, 0 0 2px #000; }
+    .live .data { margin: .2rem 0 .8rem; }
+    .live .data .rows { max-height: 15rem; overflow: auto; margin: .4rem 0; }
+    .live .data table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
+    .live .data caption { text-align: left; color: var(--soft); }
+    .live .data th, .live .data td { text-align: right; padding: .1rem .8rem .1rem 0; font-weight: 400; }
+    .live .data th { border-bottom: 1px solid var(--line); vertical-align: bottom; }
+    .live .data .save { margin-left: .5rem; }
     .live .handle { cursor: grab; touch-action: none; outline: none; }
     .live .handle .reach { stroke: transparent; stroke-width: 24; fill: transparent; }
     .live .handle .bar { stroke: var(--ink); stroke-width: 1.5; }
@@ -98,7 +116,7 @@
       this.kit = kit;
       this.next = 0;
     }
-    run(args, tell = null) { // tell(part): rows and pictures while the driver runs
+    run(args, tell = null, part = "begins") { // tell(part): rows and pictures while the driver runs; part: see run.js
       return new Promise((resolve, reject) => {
         if (!this.worker) {
           this.worker = new Worker(this.kit.source);
@@ -109,7 +127,7 @@
           clearTimeout(this.limit);
           this.limit = setTimeout(() => {
             this.stop();
-            resolve({status: 3, printed: "", rows: [], said: `no picture within ${PATIENCE} seconds`, picture: null, finish: null});
+            resolve({status: 3, printed: "", rows: [], said: `no picture within ${PATIENCE} seconds`, picture: null, mean: null, finish: null});
           }, 1000 * PATIENCE);
         };
         wait();
@@ -123,7 +141,7 @@
           resolve(data);
         };
         this.worker.onerror = (event) => reject(new Error(event.message));
-        this.worker.postMessage({id, args, tells: tell !== null});
+        this.worker.postMessage({id, args, tells: tell !== null, part});
       });
     }
     stop() { // a promise that waits for it stays open, and is forgotten
@@ -144,12 +162,6 @@
       at: (value) => 1000 * (logarithmic ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low)),
     };
   }
-
-  const make = (tag, properties, ...children) => {
-    const element = Object.assign(document.createElement(tag), properties);
-    element.append(...children);
-    return element;
-  };
 
   // The label, the control and the value of one option; changed(value, done): null stands for the default.
   function control({name, limits, views}, rows, args, changed) {
@@ -208,6 +220,10 @@
       this.runner = new Runner(kit);
       this.box = make("div", {className: "widget"});
       this.part = new (widgets[name]({make, Plot}))(figure, this.box);
+      for (const plot of Object.values(this.part).filter((one) => Plot && one instanceof Plot)) {
+        plot.numbers = new Numbers(plot.element.getAttribute("aria-label"));
+        plot.element.after(plot.numbers.element);
+      }
     }
     // Once per change of what it asks. A short answer is awaited first; a long run, which tells its parts, is ended.
     async ask() {
@@ -311,7 +327,10 @@
       copy.onclick = () => navigator.clipboard.writeText(this.command.textContent).then(() => { copy.textContent = "Copied"; });
       this.says = make("p", {className: "says"});
       const reset = make("button", {type: "button", textContent: "Reset", title: "the options as they were", onclick: () => this.reset()});
-      const screen = make("div", {className: "screen"}, this.canvas, this.mark);
+      this.rays = new PixelRays();
+      const screen = make("div", {}, make("div", {className: "screen"}, this.canvas, this.rays.element, this.mark), this.rays.legend);
+      this.converging = Converging.suits(this) ? new Converging(this) : null;
+      if (this.converging) screen.append(this.converging.element);
       this.bar = make("div", {className: "scale", hidden: true});
       const below = [this.bar, this.controls, make("div", {className: "line"}, this.command, copy, reset), this.says];
       image.replaceWith(make("div", {className: "stage"}, ...(this.widget
@@ -366,8 +385,10 @@
     changed(done) {
       this.story.hidden = !this.stays;
       this.mark.hidden = true;
+      this.rays.hide();
       this.clicked = null;
       this.done = done;
+      if (this.converging) this.converging.end();
       this.grey();
       const args = new Map(this.args);
       const preview = !done && this.lasts > 200;
@@ -410,6 +431,14 @@
       this.busy = null;
       if (this.wanted) this.work();
       else if (this.clicked) this.explain(this.clicked);
+      else if (this.converging) this.converging.wait();
+    }
+
+    // Adds a picture of another seed to the mean; null if something newer has come.
+    async add(seed) {
+      const job = this.busy = {preview: false};
+      const result = await this.runner.run([this.driver, ...this.wordsOf(new Map([...this.args, ["seed", seed]]))], null, "adds");
+      return this.busy === job ? result : null;
     }
 
     print() {
@@ -424,6 +453,7 @@
         this.says.textContent = result.said;
         return;
       }
+      if (!job.preview && this.converging) this.converging.begin(result);
       if (!job.preview) this.lasts = result.ms;
       if (result.finish) this.camera = result.finish;
       if (result.picture) this.draw(result.picture);
@@ -472,12 +502,14 @@
       this.clicked = this.busy ? place : null;
       if (this.busy) return;
       const job = this.busy = {preview: false};
-      const args = new Map([...this.args, ["pixel", place.join()], ["pixel-code", true]]);
+      const args = new Map([...this.args, ["pixel", place.join()], ["pixel-code", true], ["pixel-rays", true]]);
       args.delete("debug");
-      const result = await this.runner.run([this.driver, ...this.wordsOf(args)]);
+      const result = await this.runner.run([this.driver, ...this.wordsOf(args)], null, "leaves");
       if (this.busy !== job) return;
       const said = result.status === 0 ? result.printed.split("\n").filter((line) => !/^\S+\.png: /.test(line)).join("\n") : result.said;
-      this.tell(said.trimEnd().split("\n"));
+      const lines = said.trimEnd().split("\n");
+      this.tell(lines.filter((line) => !line.startsWith("@ ")));
+      this.rays.show(lines, this.canvas);
       this.mark.hidden = false;
       Object.assign(this.mark.style, {left: `${100 * (place[0] + .5) / this.canvas.width}%`, top: `${100 * (place[1] + .5) / this.canvas.height}%`});
       this.element.dataset.explained = place.join();

@@ -25,24 +25,27 @@ function sceneOf(module, [driver, ...words]) {
 // tables as texts by column, its picture (width, height, rgba; the last one if there are several) or null, the scale of
 // its false colours or "", and how it ended (see live.c) or null. tell(part) gets each row, {row}, and each picture, {picture}, while the driver runs.
 // kept, an object of the caller, takes the instance with its scene and tree: the next run whose scene has the same
-// options draws these again.
-function runDriver(module, args, tell = () => {}, kept = {}) {
+// options draws these again. part: what the picture is to the mean of pictures that differ in their seed alone (mean.c); the
+// result's mean is {pictures, differ}, null if there is none.
+function runDriver(module, args, tell = () => {}, kept = {}, part = "begins") {
   if (args.includes("--help")) return start(module, args, tell);
   const scene = sceneOf(module, args), again = kept.module === module && kept.scene === scene;
   const program = again ? kept.program : null;
   for (const name of Object.keys(kept)) delete kept[name];
-  return start(module, args, tell, program, (now) => Object.assign(kept, {module, scene, program: now}));
+  return start(module, args, tell, program, (now) => Object.assign(kept, {module, scene, program: now}), PARTS.indexOf(part));
 }
 
+const PARTS = ["begins", "adds", "leaves"]; // rk_mean_part
+
 // program: that which draws again, or null. keep(program) gets one that could.
-function start(module, args, tell = () => {}, again = null, keep = () => {}) {
-  const result = {status: 0, printed: "", said: "", rows: [], picture: null, scale: "", finish: null, kept: again !== null};
+function start(module, args, tell = () => {}, again = null, keep = () => {}, part = 0) {
+  const result = {status: 0, printed: "", said: "", rows: [], picture: null, scale: "", mean: null, finish: null, kept: again !== null};
   const encoded = args.map((arg) => new TextEncoder().encode(arg + "\0"));
   const run = {result, encoded, tell, texts: {1: new TextDecoder(), 2: new TextDecoder()}, row: {}, keeps: false};
   const program = again || instantiate(module);
   Object.assign(program.now, run);
   try {
-    if (again) result.status = program.draw_kept();
+    if (again) result.status = program.draw_kept(part);
     else program.start();
   } catch (error) {
     if (!(error instanceof Exit)) throw error;
@@ -109,6 +112,7 @@ function instantiate(module) {
   };
   const raykit = {
     scale(shown) { now.result.scale = text(shown); },
+    mean(pictures, differ) { now.result.mean = {pictures, differ: differ !== 0}; },
     picture(rgba, width, height) {
       now.result.picture = {width, height, rgba: bytes(rgba, 4 * width * height).slice()};
       now.tell({picture: now.result.picture});

@@ -7,9 +7,9 @@ onmessage = ({data}) => {
   const started = performance.now();
   let result;
   try {
-    result = runDriver(module, data.args, (part) => data.tells && postMessage({...part, id: data.id, part: true}), kept);
+    result = runDriver(module, data.args, (part) => data.tells && postMessage({...part, id: data.id, part: true}), kept, data.part);
   } catch (error) { // a trap: out of memory, or of stack
-    result = {status: 3, printed: "", rows: [], said: `the driver ended: ${error.message}`, picture: null, finish: null};
+    result = {status: 3, printed: "", rows: [], said: `the driver ended: ${error.message}`, picture: null, mean: null, finish: null};
   }
   postMessage({...result, id: data.id, ms: performance.now() - started});
 };

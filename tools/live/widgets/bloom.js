@@ -41,6 +41,7 @@
   draw() {
     const {plot} = this, top = Math.max(10, ...this.bins.map((bin) => bin.pixels)), line = this.threshold();
     plot.y.high = 10 ** Math.ceil(Math.log10(top));
+    plot.tell(["luminance from", "luminance to", "pixels"], this.bins.map(({low, high, pixels}) => [low, high, pixels]));
     const bar = (name, from, to, pixels) => plot.node("rect", {class: name, x: plot.px(from), width: Math.max(0, plot.px(to) - plot.px(from) - .6),
       y: plot.py(pixels), height: plot.py(plot.y.low) - plot.py(pixels)});
     plot.draw(...this.bins.filter((bin) => bin.pixels).flatMap(({low, high, pixels}) => high <= line ? [bar("plain", low, high, pixels)]

@@ -63,6 +63,7 @@
     for (const plot of [side, curve]) plot.x.high = far;
     Object.assign(side.y, {low: -tall, high: tall});
     curve.y.high = Math.max(2, 2.5 * this.rows[this.rows.length - 1].diameter);
+    side.tell(["depth from the lens, world units", "height above the axis, world units", "diameter, pixels"], this.column.map(({depth, height, diameter}) => [depth, height, diameter]));
     const ray = (way, to) => side.line(side.px(0), side.py(way * half), side.px(to), side.py(way * half * (1 - to / d)), "thin");
     const cut = half * (1 - f / d), end = Math.max(f, d);
     side.draw(side.line(side.px(0), side.py(0), side.px(far), side.py(0), "grid"),
@@ -71,7 +72,9 @@
       ray(1, end), ray(-1, end), side.line(side.px(f), side.py(cut), side.px(f), side.py(-cut), "thick"),
       side.text(side.px(0) - 6, side.py(0) + 4, "lens", "end"));
     const shown = this.rows.filter((row) => row.diameter <= curve.y.high);
-    curve.draw(curve.curve(shown.map((row) => [row.distance, row.diameter])),
+    const points = shown.map((row) => [row.distance, row.diameter]);
+    curve.tell(["distance from the lens, world units", "diameter, pixels"], points);
+    curve.draw(curve.curve(points),
       ...(d > 0 && this.point.diameter <= curve.y.high ? [curve.dot(d, this.point.diameter, "two", 4.5)] : []));
   }
 }

@@ -98,6 +98,8 @@
       plan.text(plan.px(plan.x.high) + 8, plan.py(plan.y.low) - 6, "the camera's side", "start"));
     const curve = (points) => points.map((point) => [point.samples, point.rmse]);
     const guide = this.points.length ? [1, 64].map((samples) => [samples, this.points[0].rmse / Math.sqrt(samples)]) : [];
+    const rows = (lamp, points) => curve(points).map((point) => [lamp, ...point]);
+    error.tell(["lamp", "samples on the light", "error, RMSE of radiance"], [...rows("now", this.points), ...rows("before it was moved", this.earlier)]);
     error.draw(...(guide.length ? [error.curve(guide, "guide"), error.text(error.px(64) - 4, error.py(guide[1][1]) - 6, "1/√N", "end")] : []),
       error.curve(curve(this.earlier), "plain"), error.curve(curve(this.points), "one"),
       ...this.points.map((point) => error.dot(point.samples, point.rmse, "one", point === this.now ? 5 : 3)));

@@ -51,6 +51,7 @@
     const reach = Math.max(1.2, 1.15 * Math.max(...this.rows.map(({radiance}) => radiance)));
     Object.assign(plot.x, {low: -reach, high: reach});
     plot.y.high = reach;
+    plot.tell(["angle from the normal, degrees", "radiance", "diffuse", "highlight"], this.rows.map((one) => [one.angle, one.radiance, one.diffuse, one.highlight]));
     const polar = (name) => this.rows.map((one) => [one[name] * Math.sin(one.angle * Math.PI / 180), one[name] * Math.cos(one.angle * Math.PI / 180)]);
     const line = (to, name) => plot.line(plot.px(0), plot.py(0), plot.px(to.x), plot.py(to.y), name);
     const light = this.at(-this.incidence(), 1.1), eye = this.at(this.eye, 1.1), mirror = this.at(this.incidence(), 1.2);

@@ -60,6 +60,7 @@
     const rectangle = (name, x1, y1, x2, y2) => plot.node("rect", {class: name, x: plot.px(x1), y: plot.py(y2),
       width: Math.max(1, plot.px(x2) - plot.px(x1)), height: Math.max(1, plot.py(y1) - plot.py(y2))});
     const during = this.path.filter((row) => row.time >= open && row.time <= close).map((row) => [row.x, row.y]);
+    plot.tell(["time", "displacement along x, world units", "displacement upwards, world units"], this.path.map((row) => [row.time, row.x, row.y]));
     plot.draw(rectangle("span", open, plot.y.low, close, plot.y.high), plot.curve(this.path.map((row) => [row.x, row.y])),
       plot.curve([[open, this.height(open)], ...during, [close, this.height(close)]], "one"),
       ...(open < close ? [rectangle("box", number("low_x"), number("low_y"), number("high_x"), number("high_y"))] : []));

@@ -85,6 +85,9 @@
     for (const handle of this.handles.children) handle.place();
   }
 
+  // For the table below the plot: column heads with units, and the values that are drawn, row by row.
+  tell(heads, rows) { if (this.numbers) this.numbers.show(heads, rows); }
+
   // A line across the plot ("x": upright, "y": level), or a "point". place() returns its values {x, y, text}, text for
   // readers of screens; move({x, y}, done) is told where it is dragged; step(way, done) by how much a key moves it.
   handle(kind, label, {place, move, step, range = [0, 1]}) {

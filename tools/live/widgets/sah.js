@@ -65,8 +65,9 @@
     this.side.draw(...this.triangles.map((t) => side.node("rect", {class: t[`centroid${k}`] < this.now.plane ? "one" : "two",
       x: side.px(t[`low${k}`]), y: side.py(t[`high${up}`]), width: Math.max(1, side.px(t[`high${k}`]) - side.px(t[`low${k}`])),
       height: Math.max(1, side.py(t[`low${up}`]) - side.py(t[`high${up}`]))})));
-    this.cost.draw(this.cost.curve(this.near.map((row) => [row.plane, row.cost])),
-      ...this.near.map((row) => this.cost.dot(row.plane, row.cost, "plain", 2)),
+    const points = this.near.map((row) => [row.plane, row.cost]);
+    this.cost.tell([`${this.cost.x.label}, world units`, this.cost.y.label], points);
+    this.cost.draw(this.cost.curve(points), ...points.map((point) => this.cost.dot(...point, "plain", 2)),
       ...(this.least.axis !== k ? [] : [this.cost.dot(this.least.plane, this.least.cost, "least", 5),
         this.cost.text(this.cost.px(this.least.plane), this.cost.py(this.least.cost) + 18, "cheapest")]),
       this.cost.dot(this.now.plane, this.now.cost, "one", 4.5));
