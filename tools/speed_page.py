@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Prints README.md with its tables of speed made anew: `make readme-speed`.
+"""Prints docs/speed.md with its tables made anew: `make speed-page`.
 
 They come from the last `make bench` and `make bench-peers` in this build, and stand between the
 lines <!-- speed --> and <!-- speed end -->. Without these measurements nothing is printed, and the
@@ -20,7 +20,7 @@ def rows_of(path, command):
         with open(path, newline="", encoding="utf-8") as file:
             return list(csv.DictReader(file))
     except OSError:
-        sys.exit(f"readme-speed: {path} is missing: run {command} first")
+        sys.exit(f"speed-page: {path} is missing: run {command} first")
 
 
 def table(head, rows):
@@ -81,15 +81,15 @@ def section(build):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--build", default=".", help="the folder of the build")
-    parser.add_argument("readme", help="README.md")
+    parser.add_argument("page", help="docs/speed.md")
     options = parser.parse_args()
-    with open(options.readme, encoding="utf-8") as file:
+    with open(options.page, encoding="utf-8") as file:
         text = file.read()
     made = section(options.build)
     text, count = re.subn(r"(?s)(<!-- speed[^\n]*-->\n).*?(<!-- speed end -->)",
                           lambda found: found[1] + made + found[2], text)
     if count != 1:
-        sys.exit("readme-speed: README.md has no lines <!-- speed --> and <!-- speed end -->")
+        sys.exit("speed-page: docs/speed.md has no lines <!-- speed --> and <!-- speed end -->")
     sys.stdout.write(text)
 
 
