@@ -80,12 +80,14 @@ const run = (rules) => `(async () => {
   return {violations, breadth: document.documentElement.scrollWidth};
 })()`;
 
+const IN_LIGHT = VIEWS.filter(({scheme}) => scheme === "light");
+
 // A line for each rule broken at a place of the page, which must be open in the browser with axe-core in it.
-async function findings(browser) {
+async function findings(browser, views = VIEWS) {
   const found = new Map();
-  await browser.view(VIEWS[0].width, VIEWS[0].scheme);
+  await browser.view(views[0].width, views[0].scheme);
   await browser.value(EXPLAIN);
-  for (const {width, scheme, rules} of VIEWS) {
+  for (const {width, scheme, rules} of views) {
     const add = (what, remedy) => {
       if (!found.has(what)) found.set(what, {remedy, views: new Set()});
       found.get(what).views.add(`${width} px, ${scheme}`);
@@ -104,4 +106,4 @@ async function findings(browser) {
 // The source of axe-core, to be given to browser.open.
 const read = (file) => fs.readFileSync(file, "utf8");
 
-module.exports = {findings, read};
+module.exports = {findings, read, IN_LIGHT};

@@ -4,10 +4,13 @@
 const {spawn} = require("child_process");
 const path = require("path");
 
+// With a mouse, which Chromium without a window lacks, so that nothing shows on pointing at it.
+const MOUSE = "--blink-settings=primaryHoverType=2,availableHoverTypes=2,primaryPointerType=4,availablePointerTypes=4";
+
 // A browser that is told what to do by its own protocol, through two pipes.
 class Browser {
-  constructor(chromium, folder) {
-    const options = ["--headless", "--disable-gpu", "--remote-debugging-pipe", "--window-size=1200,900",
+  constructor(chromium, folder, more = []) {
+    const options = [...more, "--headless", "--disable-gpu", "--remote-debugging-pipe", "--window-size=1200,900",
       `--user-data-dir=${path.join(folder, "profile")}`, ...(process.getuid() === 0 ? ["--no-sandbox"] : [])];
     this.process = spawn(chromium, options, {stdio: ["ignore", "ignore", "ignore", "pipe", "pipe"]});
     this.waiting = new Map();
@@ -26,9 +29,12 @@ class Browser {
     this.process.stdio[3].write(`${JSON.stringify({id: ++this.last, method, params, sessionId: this.session})}\0`);
     return new Promise((resolve) => this.waiting.set(this.last, resolve));
   }
+  // In the place of the page before: each one of the site that stays open holds a compiler.
   async open(page, before = "") {
+    const left = this.target;
     this.session = undefined;
     const {targetId} = await this.send("Target.createTarget", {url: "about:blank"});
+    if (left) await this.send("Target.closeTarget", {targetId: left});
     this.target = targetId;
     this.session = (await this.send("Target.attachToTarget", {targetId, flatten: true})).sessionId;
     await this.send("Page.enable");
@@ -48,8 +54,18 @@ class Browser {
     }
     return false;
   }
+  // A key by its name, or a letter.
   async key(key) {
-    for (const type of ["keyDown", "keyUp"]) await this.send("Input.dispatchKeyEvent", {type, key});
+    const text = key === "Enter" ? "\r" : key.length === 1 ? key : undefined;
+    for (const type of ["keyDown", "keyUp"]) await this.send("Input.dispatchKeyEvent", {type, key, text: type === "keyDown" ? text : undefined});
+  }
+  // A letter with Ctrl.
+  async press(letter) {
+    const key = {key: letter, code: `Key${letter.toUpperCase()}`, windowsVirtualKeyCode: letter.toUpperCase().charCodeAt(0)};
+    for (const type of ["keyDown", "keyUp"]) await this.send("Input.dispatchKeyEvent", {type, ...key, modifiers: 2});
+  }
+  async insert(text) {
+    await this.send("Input.insertText", {text});
   }
   // As on a phone or on a desk, light or dark.
   async view(width, scheme) {
@@ -63,6 +79,7 @@ class Browser {
   }
   async close() {
     await this.send("Target.closeTarget", {targetId: this.target});
+    this.target = undefined;
   }
   async quit() {
     const ended = new Promise((resolve) => this.process.on("exit", resolve));
@@ -72,4 +89,4 @@ class Browser {
   }
 }
 
-module.exports = {Browser};
+module.exports = {Browser, MOUSE};

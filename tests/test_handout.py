@@ -11,6 +11,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 import urllib.request
 from unittest import mock
@@ -20,9 +21,10 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(SOURCE, "tools"))
 
 import handout  # noqa: E402
+import live_loop  # noqa: E402
 from grading import course_words  # noqa: E402
 from grading import leak_check  # noqa: E402
-from grading.assignments import ToolError, read_features, read_points  # noqa: E402
+from grading.assignments import ToolError, read_features, read_looks, read_places, read_points  # noqa: E402
 from grading.build import Toolchain  # noqa: E402
 from grading.mutants import mutate, read_mutants  # noqa: E402
 from grading.starters import is_handed_out, is_left_open, solution_lines, starter_of  # noqa: E402
@@ -235,8 +237,9 @@ def the_pack_holds_no_solution(pack):
 
 
 def commands_exist(pack):
-    """Each command of README.md runs a file of the pack, or makes a target of it."""
-    text, rules = read(pack, "README.md"), "".join(read(pack, name) for name in os.listdir(pack)
+    """Each command of README.md and docs/commands.md runs a file of the pack, or makes a target of it."""
+    text = read(pack, "README.md") + read(pack, "docs", "commands.md")
+    rules = "".join(read(pack, name) for name in os.listdir(pack)
                                                    if name.endswith(".am"))
     rules += "".join(read(pack, name) for name in leak_check._files(pack) if name.endswith(".am"))
     commands = [command for line in re.findall(r"^    (.*)|`([^`\n]*)`", text, re.MULTILINE)
@@ -244,7 +247,7 @@ def commands_exist(pack):
     files = [command.split()[0] for command in commands if re.match(r"[\w.]+/\S+( |$)", command)
              and not command.startswith("../")]  # after cd
     lost = [name for name in files if not os.path.exists(os.path.join(pack, name)) and name != "./configure"]
-    check(files and not lost, "the files that README.md's commands run are in the pack", lost)
+    check(files and not lost, "the files that their commands run are in the pack", lost)
     made = {word for command in commands if command.startswith("make ")
             for word in command.split()[1:] if re.fullmatch(r"[a-z][\w-]*", word)}
     lost = [target for target in made - {"install", "distclean"}
@@ -391,9 +394,21 @@ def what_is_left_open_is_no_solution(pack):
           "HANDOUT.md lists it", told)
 
 
-def code_of(page, name):
-    """The listings of a page that define this name, as text."""
-    listings = re.findall(r'<div class="listing.*?</pre>', read(page), re.DOTALL)
+def text_of(pages):
+    """All pages of a folder."""
+    return "\n".join(read(pages, name) for name in sorted(os.listdir(pages)) if name.endswith(".html"))
+
+
+def chapter_of(pages):
+    """The pages of the feature's chapter, in its order."""
+    places = read_places(pages)
+    headings = re.findall(r"^#+ .*\{#([\w-]+)", read(SOURCE, "docs", f"{FEATURE.folder}.md"), re.MULTILINE)
+    return "\n".join(read(pages, name) for name in dict.fromkeys(places[heading] for heading in headings))
+
+
+def code_of(text, name):
+    """The listings of pages that define this name, as text."""
+    listings = re.findall(r'<div[^>]* class="listing.*?</pre>', text, re.DOTALL)
     texts = [html.unescape(re.sub("<[^>]*>", "", listing)) for listing in listings]
     return "\n".join(text for text in texts if re.search(rf"\b{name}\(.*\n\{{", text))
 
@@ -401,10 +416,9 @@ def code_of(page, name):
 def the_book_is_handed_out(pack):
     handed = os.path.join(pack, "docs", "handout")
     pages, record = os.path.join(handed, "book"), os.path.join(handed, "record")
-    page = os.path.join(pages, "bvh-median.html")
-    text = "\n".join(read(pages, name) for name in os.listdir(pages) if name.endswith(".html"))
-    check("First step:" in code_of(page, "box_of") and "workbook/bvh_median.c" in code_of(page, "box_of"),
-          "the book is there, with starters", code_of(page, "box_of"))
+    text = text_of(pages)
+    check("First step:" in code_of(text, "box_of") and "workbook/bvh_median.c" in code_of(text, "box_of"),
+          "the book is there, with starters", code_of(text, "box_of"))
     linked = set(re.findall(r'(?:src|href)="(\.\./[^"#?]+)', text))
     missing = [link for link in linked if not os.path.exists(os.path.join(pages, link))]
     check(linked and not missing, "its pages find their pictures, and the files that they link to", missing)
@@ -417,13 +431,13 @@ def the_book_is_handed_out(pack):
     path = re.search(rf"{re.escape(SOURCE)}|\.handout-", text + answers)
     check(not path, "no path of this machine is in it",
           path and (text + answers)[max(0, path.start() - 80):path.end() + 80])
-    its_live_figures_stand_still(page, "impl/assignments")
+    its_live_figures_stand_still(pages, "impl/assignments")
 
 
-def its_live_figures_stand_still(page, drivers):
+def its_live_figures_stand_still(pages, drivers):
     """The module that would draw them anew holds the solutions. A book that was woven in the pack names
     drivers that it has built, the handed-out one those that make driver-STEM builds."""
-    pages, text = os.path.dirname(page), read(page)
+    text = chapter_of(pages)
     tags = re.findall(r'<div class="live"[^>]*>\s*<img[^>]*>', text)
     figures = [{name: html.unescape(value) for name, value in re.findall(r'([\w-]+)="([^"]*)"', tag)}
                for tag in tags]
@@ -452,7 +466,7 @@ def state_of(url):
     with urllib.request.urlopen(url + "events", timeout=120) as events:
         for line in events:
             known = json.loads(line[len("data: "):]) if line.startswith(b"data: ") else {}
-            if (known.get("drawn") or known.get("failed")) and not known["busy"]:
+            if any(map(known.get, ("drawn", "undrawn", "failed"))) and not known["busy"]:
                 return known
     return {}
 
@@ -472,18 +486,55 @@ def the_live_loop_serves_the_pack(pack):
             if not url:
                 return
             page, known = answer(url[0]), state_of(url[0])
-            check(page == read(pack, "tools", "live", "loop.html").encode(), "it is the pack's")
+            check(b'src="native.mjs"' in page and b"<select" not in page and b"workbench.mjs" not in page,
+                  "it is the workbench, without compiler and editor", page)
+            parts = [("live", "native.mjs"), *(("workbench", name) for name in os.listdir(
+                os.path.join(pack, "tools", "workbench")) if not name.endswith(".html"))]
+            wrong = [name for room, name in parts
+                     if answer(url[0] + name) != read(pack, "tools", room, name).encode()]
+            check(len(parts) > 5 and not wrong, "its parts are the pack's", wrong)
+            check(all(name.endswith(".am") for name in os.listdir(os.path.join(pack, "tools", "site"))),
+                  "a pack has no part of the site's")
+            task = json.loads(answer(url[0] + "task"))
+            claims = [name for step in task["steps"] for name in step["claims"]] + task["kept"]
+            check(sorted(claims) == sorted(test.name for test in TESTS) and task["steps"][0]["hints"],
+                  "its task has the claims and the hints", task)
+            check(task["file"] == f"workbook/{STEM}.c", "it names the file to edit", task["file"])
+            places = {section["href"] for step in task["steps"] for section in step["sections"]}
+            pages = {place: answer(url[0] + task["book"].lstrip("/") + place.split("#")[0]).decode()
+                     for place in places}
+            dead = [place for place, text in pages.items() if f'id="{place.split("#")[1]}"' not in text]
+            check(len(pages) > 1 and not dead, "its steps lead to their sections of the pack's book", dead)
+            header = task["steps"][0]["given"][0]["headers"][0]
+            check(answer(f"{url[0]}src/{header}") == read(pack, "src", header).encode(),
+                  "it shows the header of what is given", header)
             check([caption for _, caption in known.get("looks", [])] == [look[2] for look in looks],
                   "it offers the pictures of all steps", known)
             steps = {int(step): options for step, options, _ in looks}
             options = steps.get(int(known.get("step", 0)), "none")
             check(known.get("command", "").endswith(f"/{STEM} {options}"),
                   "its command has the options of the picture that it shows", known)
+            check(known.get("drawn"), "the student's picture is drawn", known)
+            if not known.get("drawn"):
+                return
             pictures = [answer(f"{url[0]}picture/{name}") for name in ("own", "wanted")]
             check(all(picture.startswith(b"\x89PNG") for picture in pictures),
                   "the student's picture and the wanted one are there", known)
         finally:
             os.killpg(process.pid, signal.SIGTERM)
+
+
+def the_live_loop_turns_at_once():
+    """Between the verdict and the next picture a page must not hear that all is done."""
+    loop, heard = live_loop.Loop.__new__(live_loop.Loop), []
+    loop._feature, loop._is_step_chosen, loop._doing = FEATURE, False, {"checking the claims"}
+    loop.changed = threading.Condition()
+    last = read_looks(FEATURE)[-1].step
+    loop.known = {"version": 0, "step": 1, "claims": "", "broken": [{"step": last, "reason": "wrong"}]}
+    with mock.patch.object(loop, "tell", lambda **news: (live_loop.Loop.tell(loop, **news),
+                                                         heard.append(loop.known["busy"]))):
+        loop._take_claims("not ok", 1)
+    check(heard and all(heard), "the live loop says with the verdict that another picture follows", heard)
 
 
 def the_starters_are_failed(pack):
@@ -569,11 +620,11 @@ def the_students_code_is_in_the_book(pack):
     page = os.path.join(pack, "docs", "out.some", "book.html")
     check(status == 0 and os.path.exists(driver), "make book builds what it needs, and weaves the book again",
           said)
-    code = code_of(page, "box_of")
+    code = code_of(read(page), "box_of")
     check("rk_box_merge" in code and "Your code." in read(page), "the student's functions are in it", code)
     check("Yours to write" not in code and "Left open here" in read(page) and "Not made:" not in read(page),
           "what is not asked for yet is left open, and all figures are there")
-    its_live_figures_stand_still(os.path.join(pack, "docs", "out.some", "book", "index.html"), "assignments")
+    its_live_figures_stand_still(os.path.join(pack, "docs", "out.some", "book"), "assignments")
     run(pack, "sed", "-i", "s/box_of/my_box_of/g; $ a int broken = ;", f"workbook/{STEM}.c")
     status, said = run(pack, make, "-s", "book", f"ONLY={STEM}", "CHROMIUM=")
     check(status == 0 and "does not define it" in read(page),
@@ -723,6 +774,7 @@ def main():
         the_second_is_solved_first(pack)
         pictures_are_the_students(pack)
         the_live_loop_serves_the_pack(pack)
+        the_live_loop_turns_at_once()
         the_students_code_is_in_the_book(pack)
         the_rest_holds(pack)
         a_class_is_graded(places["class"])

@@ -2,11 +2,15 @@
 """The suites in a page: compiled and run as WebAssembly, by a clang that is WebAssembly itself, they pass
 with the kit's units, and say of starters and of known mistakes what the native suites say under sanitizers.
 Speaks TAP, for make check-site; runs in a build folder that has site/. RAYKIT_MUTANTS is how many mistakes
-of each suite are made, "all" or a number; FEATURES names the suites."""
+of each suite are made, "all" or a number (2 unless told, none with RAYKIT_QUICK); FEATURES names the
+suites. Those that test_site_page.js types into a page are left in tests/site_mistakes.json, with what the
+native suite says."""
 
+import gzip
 import json
 import os
 import pathlib
+import re
 import socket
 import subprocess
 import sys
@@ -17,12 +21,18 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, str(SOURCE / "tools"))
 
 import check_suites  # noqa: E402
+import site_tasks  # noqa: E402
+from grading.assignments import ToolError, read_features, read_points  # noqa: E402
 from grading.mutants import mutate  # noqa: E402
 from grading.processor_time import limited  # noqa: E402
 from grading.starters import starter_of  # noqa: E402
 from grading.verdict_store import Store  # noqa: E402
+from page_links import dead_links, is_there  # noqa: E402
 from tap import check, finish, start  # noqa: E402
 
+IS_QUICK = bool(os.environ.get("RAYKIT_QUICK"))
+NUMBER = "0" if IS_QUICK else "2"
+TYPED = {stem: 3 if IS_QUICK else 10 for stem in ("normals", "bvh_median")}  # mistakes of a suite
 _SECRET = b"0" * 64  # asks for no decoy
 
 
@@ -60,17 +70,19 @@ def attested(program, test):
 # What C does not define, as the first function of `normals`, with what is told of it.
 _FAULTS = {
     "float *volatile p = malloc(12); p[0] = n.x; float y = p[3]; free(p); return rk_vec(y, 0, 0);":
-        "reads 4 bytes of memory that is not its own: 12 bytes after the beginning of a block of 12 bytes",
+        "reads 4 bytes beyond the end of a block of 12 bytes that malloc gave",
     "float *volatile p = malloc(12); p[-1] = n.x; free(p); return n;":
-        "writes 4 bytes of memory that is not its own: 4 bytes before a block of 12 bytes",
+        "writes 4 bytes, 4 bytes before a block of 12 bytes that malloc gave",
     "float *volatile p = malloc(12); p[0] = n.x; free(p); return rk_vec(p[0], 0, 0);":
-        "reads 4 bytes of memory that is not its own: in a block of 12 bytes that is freed already",
+        "reads 4 bytes of a block of 12 bytes that is freed already",
     "float *volatile p = malloc(12); p[0] = n.x; free(p); free(p); return n;":
         "free is called for memory that is freed already, or that malloc did not return",
     "const float *volatile p = NULL; return rk_vec(*p, n.x, 0);": "a pointer that is NULL is used",
     "float p[5] = {n.x}; float *volatile q = p; q[5] = 1; return rk_vec(p[2], 0, 0);":
-        "writes 4 bytes of memory that is not its own: beside a variable",
+        "writes 4 bytes beside a variable",
     "float p[3] = {n.x, n.y, n.z}; volatile int i = 3; return rk_vec(p[i], 0, 0);":
+        "an index is outside of its array",
+    "unsigned *volatile q = malloc(4); float p[3] = {n.x, n.y, n.z}; return rk_vec(p[q[0]], 0, 0);":
         "an index is outside of its array",
     "volatile int big = 0x7fffffff; return rk_vec((float)(big + 1), 0, 0);":
         "the sum of two integers is beyond their type's range",
@@ -79,6 +91,13 @@ _FAULTS = {
     "volatile float p[64]; p[0] = n.x; rk_vec3 m = rk_normals_colour(n); return rk_vec(p[0], m.y, 0);":
         "the stack is used up",
     "volatile float none = n.x; while (none < 9) ; return n;": "no verdict after 2 s",
+    # What clang sees while it compiles.
+    "float *p = malloc(12); if (!p) return n; p[0] = n.x; float y = p[5]; free(p); return rk_vec(y, 0, 0);":
+        "reads 4 bytes, 8 bytes beyond the end of a block of 12 bytes that malloc gave",
+    "rk_vec3 *p = malloc(8); if (!p) return n; volatile float y = p->z; free(p); return rk_vec(y, 0, 0);":
+        "bytes of a block of 8 bytes that malloc gave, too few",
+    "int i = 0; float s = 0; while (i < 3) s += n.x; return rk_vec(s, 0, 0);":
+        "no verdict after 2 s: a loop that never ends, or code that is very slow",
 }
 
 
@@ -97,6 +116,21 @@ def check_faults(folder):
         place = "" if "while" in body else "normals.c:5"
         check(said in first.get("message", "") and place == first.get("place"), f"a page tells: {said}",
               [body, result["said"], first])
+
+
+def check_unset(folder):
+    """What is given no value does not happen to have the right one."""
+    units = {"bvh_median": ("rk_box box = rk_box_empty();", "rk_box box;"),
+             "normals": ("return rk_vec(", "volatile float none; return rk_vec(none + ")}
+    files = []
+    for stem, change in units.items():
+        text = (SOURCE / f"src/features/{stem}.c").read_text(encoding="utf-8")
+        files.append((stem, os.path.join(folder, f"unset-{stem}.c")))
+        pathlib.Path(files[-1][1]).write_text(text.replace(*change, 1), encoding="utf-8")
+    told = [first_of(result) for result in checked(files, first=True)]
+    wanted = ["up_to_four_triangles_are_one_leaf", "each_axis_has_a_colour_of_its_own"]
+    check([claim for claim, *_ in told] == wanted, "a variable without a value has no right one in a page",
+          told)
 
 
 class Suite(check_suites.Feature):
@@ -123,19 +157,26 @@ def first_of(result):
     return "", "passed" if result["verdicts"] else result["said"], ""
 
 
+def measured_alike(message):
+    """The bytes of stack that code took are the compiler's."""
+    return re.sub(r"took \d+", "took", message)
+
+
 def same(native, page):
     """Faults have other words: a page has no addresses."""
-    return native[:2] == page[:2] and (native[1] == "fault" or native[2] == page[2])
+    is_alike = native[1] == "fault" or measured_alike(native[2]) == measured_alike(page[2])
+    return native[:2] == page[:2] and is_alike
 
 
 def mistakes_of(suite, wanted):
     """Returns the mutants that are made, spread over all of them."""
     mutants = suite.read_mutants()
-    count = len(mutants) if wanted == "all" else min(int(wanted), len(mutants))
-    return [mutants[i * len(mutants) // count] for i in range(count)]
+    count = len(mutants) if wanted == "all" else min(max(int(wanted), TYPED.get(suite.stem, 0)), len(mutants))
+    return check_suites.spread(mutants, count) if count else []
 
 
 def check_suite(suite, claims, wanted):
+    """Returns what the native suite says of the mistakes."""
     units = {"starter": starter_of(suite.source)}
     for mutant in mistakes_of(suite, wanted):
         units[mutant.name] = mutate(mutant, suite.source.read_text(encoding="utf-8"), suite.source.name)
@@ -143,13 +184,96 @@ def check_suite(suite, claims, wanted):
     for name, text in units.items():
         files[name].write_text(text, encoding="utf-8")
     suite.prepare()
-    differ = []
+    differ, told, names = [], [], ("name", "text", "claim", "verdict", "message")
     for name, result in zip(files, checked([(suite.stem, file) for file in files.values()], first=True)):
         native, page = suite.first(files[name], name, claims), first_of(result)
+        if name != "starter":
+            told.append(dict(zip(names, (name, units[name], *native))))
         if not same(native, page):
             differ += [f"{name}: natively {native}", f"    in the page {page}"]
     check(not differ, f"{suite.stem}: the starter and {len(units) - 1} known mistakes fail the same claim "
           "first, with the same message", differ)
+    return told
+
+
+def _page_of_headings(names):
+    """Returns a page with a heading of each name, and a paragraph below it."""
+    return "".join(f'<h2 class="a"\nid="{name}">A <em>title</em></h2>\n<p>{name}</p>\n'
+                   for name in names) + "</main>\n"
+
+
+def chapters_lead_to_the_workbench(folder):
+    """Of two pages with a chapter's headings, and then without the last of them."""
+    book, wrong = os.path.join(folder, "book"), []
+    os.mkdir(book)
+    for feature in read_features(SOURCE).values():
+        tests = [test for test in read_points(feature) if test.step]
+        chapter = pathlib.Path(SOURCE, feature.chapter).read_text(encoding="utf-8")
+        names = re.findall(r"^#+ .*\{#([\w-]+)", chapter, re.MULTILINE)
+        parts = {feature.page_name(): names[:2], "more.html": names[2:]}
+        places = {name: page for page, part in parts.items() for name in part}
+        for page, part in parts.items():
+            pathlib.Path(book, page).write_text(_page_of_headings(part), encoding="utf-8")
+        site_tasks.lead_to_workbench(book, feature, places)
+        texts = {page: pathlib.Path(book, page).read_text(encoding="utf-8") for page in parts}
+        below = {name: texts[page].split(f'id="{name}"')[1].split(f"<p>{name}</p>")[0]
+                 for name, page in places.items()}
+        linked = {(f"#{name}", int(step)) for name, part in below.items()
+                  for step in re.findall(rf'href="\.\./workbench\.html\?{feature.stem}#step-(\d+)"', part)}
+        if (linked != {(test.section, test.step) for test in tests}
+                or not all("folded.js" in text for text in texts.values())
+                or f'?{feature.stem}">Try it' not in below[names[0]]):
+            wrong.append(f"{feature.stem}: {linked}")
+        last = tests[-1].section[1:]
+        for gone in ({name: page for name, page in places.items() if name != last}, places):
+            for page, part in parts.items():
+                part = [name for name in part if name != last]
+                pathlib.Path(book, page).write_text(_page_of_headings(part), encoding="utf-8")
+            try:
+                site_tasks.lead_to_workbench(book, feature, gone)
+                wrong.append(f"{feature.stem}: a heading that is not there")
+            except ToolError as error:
+                if last not in str(error):
+                    wrong.append(str(error))
+    check(not wrong, "each chapter leads to its workbench, and each section to its steps", "\n".join(wrong))
+
+
+def book_and_report_lead_to_each_other(folder):
+    """By links as weave.lua makes them, in pages planted into a site."""
+    site = os.path.join(folder, "site")
+    up = "../../../"
+    pages = {"book/a.html": f'<a href="{up}reports/out/report.html#speed" class="x">its <em>speed</em></a>',
+             "report/report/index.html": '<h2 id="speed">Speed</h2>'
+             f'<a href="{up}docs/out/book.html#b-part">b</a>, <a href="../source/c.html">c</a>, '
+             f'<a href="{up}src/base/vec3.h">vec3</a>, <a href="{up}docs/out/book.html#gone">gone</a>',
+             "book/b.html": '<h2 id="b-part">B</h2>', "report/source/c.html": ""}
+    for name, text in pages.items():
+        os.makedirs(os.path.dirname(os.path.join(site, name)), exist_ok=True)
+        pathlib.Path(site, name).write_text(text, encoding="utf-8")
+    before = dead_links(site)
+    for room in ("book", "report/report"):
+        site_tasks.lead_into_site(site, room, {"b-part": "b.html"}, True)
+    for name in pages:
+        pages[name] = pathlib.Path(site, name).read_text(encoding="utf-8")
+    told = ['<a href="../report/report/index.html#speed" class="x">its <em>speed</em></a>',
+            '<a href="../../book/b.html#b-part">b</a>, <a href="../source/c.html">c</a>, vec3, gone']
+    check(len(before) == 4 and not dead_links(site) and pages["book/a.html"] == told[0]
+          and told[1] in pages["report/report/index.html"],
+          "in a site the book leads to the report and the report to the book, and neither beyond",
+          [before, pages])
+
+
+def tasks_lead_into_the_book():
+    """Of the tasks that the workbench shows, each with the sections to read."""
+    dead, count = [], 0
+    for path in sorted(pathlib.Path("site/tasks").glob("*.json.gz")):
+        task = json.loads(gzip.decompress(path.read_bytes()))
+        steps = task["steps"] if isinstance(task, dict) and task.get("book") else []
+        for section in [section for step in steps for section in step["sections"]]:
+            count += 1
+            if not is_there("site", task["book"] + section["href"]):
+                dead.append(f"{path.name}: {section['href']}")
+    check(not dead, f"the {count} sections that tasks name are where they lead", "\n".join(dead))
 
 
 def main():
@@ -167,17 +291,27 @@ def main():
         check(len(result["verdicts"]) == count and not broken and not result["said"],
               f"{stem}: the kit's unit compiles without a warning and passes all {count} claims in a page",
               [result["said"], *broken])
+    dead = dead_links("site")
+    check(not dead, "all that the site's pages, its book and its report show or lead to is in it",
+          "\n".join(dead))
+    tasks_lead_into_the_book()
     with tempfile.TemporaryDirectory(prefix="raykit-site-") as folder:
+        chapters_lead_to_the_workbench(folder)
+        book_and_report_lead_to_each_other(folder)
         check_faults(folder)
+        check_unset(folder)
         builder = check_suites.Builder(pathlib.Path(folder), Store("", False))
         counting = builder.compile(SOURCE / "tests/count_allocations.c", "counting", check_suites.SANITIZE,
                                    "what counts allocations")
+        told = {}
         for row in rows:
             if row["stem"] in wanted:
                 suite = Suite(row, SOURCE, builder, None)
                 suite.counting = counting
-                check_suite(suite, [claim["name"] for claim in suites[row["stem"]]],
-                            os.environ.get("RAYKIT_MUTANTS") or "2")
+                told[row["stem"]] = check_suite(suite, [claim["name"] for claim in suites[row["stem"]]],
+                                                os.environ.get("RAYKIT_MUTANTS") or NUMBER)
+    with open("tests/site_mistakes.json", "w", encoding="utf-8") as file:
+        json.dump({stem: mistakes for stem, mistakes in told.items() if stem in TYPED}, file)
     return finish()
 
 

@@ -1,7 +1,7 @@
 // The pictures of the steps in a page: drawn as WebAssembly by a clang that is WebAssembly itself, they are those of the
 // native drivers, and the wanted ones. Speaks TAP, for make check-site; runs in a build folder that has site/.
 // Arguments: the source folder, Chromium, and what make site has made ("" if missing);
-// FEATURES names the drivers.
+// FEATURES names the drivers; with RAYKIT_QUICK, they are those that are drawn in Chromium, too.
 "use strict";
 
 const {execFileSync, spawnSync} = require("child_process");
@@ -96,12 +96,13 @@ function mistakes(folder) {
 // What a page's worker does after a key, from the unit's text to the picture. Chromium lets no page itself start clang.
 const IN_WORKER = (address) => `
   const at = (name) => "${address}/" + name;
-  const bytes = async (name) => new Uint8Array(await (await fetch(at(name))).arrayBuffer());
+  const packed = async (name) => (await import(at("packed.mjs"))).unpacked(await fetch(at(name + ".gz")));
+  const bytes = async (name) => new Uint8Array(await (await packed(name)).arrayBuffer());
   const json = async (name) => (await fetch(at(name))).json();
   const [{Toolchain}, {Checker}, {Drawer, sized}] = await Promise.all(
     ["toolchain.mjs", "checker.mjs", "drawer.mjs"].map((name) => import(at(name))));
   const looks = await json("looks.json"), toolchain = await Toolchain.load(at("clang/bundle.mjs"));
-  const checker = new Checker(toolchain, {headers: await json("headers.json")}, null);
+  const checker = new Checker(toolchain, {headers: await (await packed("headers.json")).json()}, null);
   const kit = {archives: {"drivers.a": await bytes("drivers.a"), "kit.a": await bytes("kit.a")}, drivers: {}};
   const drawer = new Drawer(toolchain, kit, () => new Worker(at("draw_worker.mjs"), {type: "module"}));
   checker.compile("normals", '#include "features/normals.h"'); // the engine compiles clang while it runs
@@ -156,7 +157,7 @@ async function main() {
   }
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), "raykit-site-pictures-"));
   const looks = JSON.parse(fs.readFileSync("site/looks.json", "utf8"));
-  const named = (process.env.FEATURES || "").split(/\s+/).filter(Boolean), wanted = named.length ? named : Object.keys(looks);
+  const named = (process.env.FEATURES || "").split(/\s+/).filter(Boolean), wanted = named.length ? named : process.env.RAYKIT_QUICK ? IN_A_PAGE : Object.keys(looks);
   try {
     mistakes(folder);
     if (chromium) await in_a_page(folder, looks, wanted.filter((stem) => named.length || IN_A_PAGE.includes(stem)));

@@ -39,6 +39,15 @@ _SECONDS_TO_CLEAN_UP = 10  # it removes a few folders
 # --- The place ------------------------------------------------------------------------------------
 
 
+def check_place(place, named="OUT=..."):
+    """Raises ToolError if something is there, or it is in no folder."""
+    if os.path.lexists(place):
+        raise ToolError(f"{place} exists; remove it, or choose another name by {named}")
+    parent = os.path.dirname(os.path.abspath(place))
+    if not os.path.isdir(parent):
+        raise ToolError(f"{place}: there is no folder {parent}; make it first")
+
+
 def place_of(out, folder):
     """Returns where the pack goes and the name of its top folder."""
     if out and folder:
@@ -46,15 +55,11 @@ def place_of(out, folder):
     place = os.path.normpath(out or folder or "raykit-handout.tar.gz")
     if not folder and not place.endswith(".tar.gz"):
         raise ToolError(f"OUT: {place} should end in .tar.gz; for a folder give DIR={place}")
-    if os.path.lexists(place):
-        raise ToolError(f"{place} exists; remove it, or choose another name by OUT=... or DIR=...")
-    parent = os.path.dirname(os.path.abspath(place))
-    if not os.path.isdir(parent):
-        raise ToolError(f"{place}: there is no folder {parent}; make it first")
+    check_place(place, "OUT=... or DIR=...")
     return place, os.path.basename(place).removesuffix("" if folder else ".tar.gz")
 
 
-def _run(command, environment, **pipes):
+def run(command, environment, **pipes):
     """Runs a command in a session of its own, which ends, with all that it started, when this script is
     stopped."""
     process = subprocess.Popen(command, env=environment, start_new_session=True, text=True, errors="replace",
@@ -72,9 +77,9 @@ def _run(command, environment, **pipes):
     return process.returncode, (said or wrong or "").strip()
 
 
-def _tell(phase):
+def tell(phase):
     """Says what takes the next seconds or minutes."""
-    print(f"handout: {phase}", file=sys.stderr, flush=True)
+    print(f"{os.path.basename(sys.argv[0]).removesuffix('.py')}: {phase}", file=sys.stderr, flush=True)
 
 
 # --- The pack -------------------------------------------------------------------------------------
@@ -95,7 +100,7 @@ def copy_release(source, folder):
     """The files that make dist would pack. Its own rules would start a process for each."""
     command = [os.environ.get("MAKE", "make"), "-s", "dist-files"]
     environment = {name: value for name, value in os.environ.items() if name != "MAKEFLAGS"}
-    status, said = _run(command, environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    status, said = run(command, environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     if status:
         raise ToolError(f"the kit's files could not be listed:\n{said}")
     for name in said.split("\n"):
@@ -137,7 +142,7 @@ def _configurable(pack):
     """Makes what ./bootstrap would make on each student's machine."""
     for command in (["sh", "tools/features.sh"], ["autoreconf", "--install"],
                     ["touch", "Makefile.in", "configure"]):
-        status, said = _run(command, dict(os.environ, PWD=pack), cwd=pack, stdout=subprocess.PIPE,
+        status, said = run(command, dict(os.environ, PWD=pack), cwd=pack, stdout=subprocess.PIPE,
                             stderr=subprocess.STDOUT)
         if status:
             raise ToolError(f"{command[0]} failed in the pack:\n{said}")
@@ -152,13 +157,13 @@ def _adapt_texts(source, pack, features, chosen):
         if feature not in chosen:
             os.unlink(os.path.join(pack, "assignments", feature.folder, "handout.md"))
     texts = {f"assignments/{feature.folder}/handout.md": handout_of(source, feature) for feature in chosen}
-    for name in ("README.md", "docs/architecture.md", "docs/book.md", "docs/one_pixel.md",
+    for name in ("README.md", "docs/architecture.md", "docs/commands.md", "docs/book.md", "docs/one_pixel.md",
                  "docs/92_wrong_pictures.md", *(feature.chapter for feature in features)):
         with open(os.path.join(pack, name), encoding="utf-8") as file:
             texts[name] = file.read()
     texts["docs/book.md"] = texts["docs/book.md"].replace("bvh_median", chosen[0].stem)
     for name, text in texts.items():
-        if name != "README.md":  # it builds all drivers first
+        if name not in ("README.md", "docs/commands.md"):  # they build all drivers first
             text = with_built_drivers(text)
         write_whole(os.path.join(pack, name), as_packed(text, name, [feature.stem for feature in chosen]))
 
@@ -166,22 +171,29 @@ def _adapt_texts(source, pack, features, chosen):
 # --- The book -------------------------------------------------------------------------------------
 
 
-def _weave_book(pack):
-    """Makes docs/handout/book, a page per chapter: the pack's text and code, the figures of this build's
-    drivers. What they made stays in the build folder's store, for the next pack, and in the pack, for its own
-    make book."""
+def weave_book(pack, sources=""):
+    """Makes docs/out, with book, a page per section: the pack's text and code, the figures of this build's
+    drivers. What they made stays in the build folder's store, for the next pack. Returns these two folders.
+    `sources`: tools/weave/sources.lua."""
     kept = os.path.abspath("drawn")
     environment = dict(os.environ, RAYKIT_SOURCE=pack, RAYKIT_BUILD=pack, RAYKIT_DRIVERS=os.getcwd(),
                        RAYKIT_STORE=kept, MESHES="", CHROMIUM="unused", FEATURES="", SOLUTIONS="yes",
                        ANSWERS="",
-                       RAYKIT_LIVE="", RAYKIT_JUDGES="no", RAYKIT_SOURCES="linked", RAYKIT_RECORD="")
+                       RAYKIT_LIVE="", RAYKIT_STEPS="", RAYKIT_JUDGES="no", RAYKIT_SOURCES=sources,
+                       RAYKIT_RECORD="")
     if os.environ.get("QUICK"):
-        _tell("QUICK=1 only makes its figures small; BOOK=no is the quick way to try a pack")
-    _tell("weaving the book; figures that this build has not drawn yet are drawn now")
-    status, _ = _run(["sh", os.path.join(pack, "docs", "make_book")], environment)
+        tell("QUICK=1 only makes its figures small; BOOK=no is the quick way to try a pack")
+    tell("weaving the book; figures that this build has not drawn yet are drawn now")
+    status, _ = run(["sh", os.path.join(pack, "docs", "make_book")], environment)
     if status:
         raise ToolError("the book could not be woven (its reason is above); BOOK=no leaves it out")
-    made, handed = os.path.join(pack, "docs", "out"), os.path.join(pack, "docs", "handout")
+    return os.path.join(pack, "docs", "out"), kept
+
+
+def _hand_out_book(pack):
+    """Makes docs/handout, with the book, and with what its own make book needs."""
+    made, kept = weave_book(pack, "linked")
+    handed = os.path.join(pack, "docs", "handout")
     os.mkdir(handed)
     for part in ("book", "figures", "tables"):
         os.rename(os.path.join(made, part), os.path.join(handed, part))
@@ -218,6 +230,8 @@ def _goal(source, stems, left_open):
     may use is there."""
     with open(os.path.join(source, "README.md"), encoding="utf-8") as file:
         text = file.read()
+    with open(os.path.join(source, "docs", "commands.md"), encoding="utf-8") as file:
+        examples = file.read()
     course = list(read_features(source))
     first, last = re.search(r"picture at the top uses those from `(\w+)` to `(\w+)`", text).groups()
     needed = course[course.index(first):course.index(last) + 1]
@@ -227,14 +241,17 @@ def _goal(source, stems, left_open):
         picture, used, takes = stems[-1], stems[-1:], []
         driven = rf"assignments/\d+_{picture}/{picture} --"
         needed = [*course[:course.index(picture)], "shading"]  # which lights also what comes before it
-    shown = re.search(rf"!\[[^]]*\]\(docs/pictures/{picture}\.png\)", text)
-    examples = text[text.index("The pictures above have"):]
+    place = rf"docs/pictures/{picture}\.png"
+    shown = re.search(rf"!\[(?P<said>[^]]*)\]\({place}\)|src=\"{place}\" alt=\"(?P<read>[^\"]*)\"", text)
+    examples = examples[examples.index("The pictures in [README.md]"):]
     command = re.search(rf"^    {driven}(.*\\\n)*.*", examples, re.MULTILINE)
     if not shown or not command or set(needed) & set(left_open):
         return []
     if "sampling" in left_open:
         takes.append("`sampling` is not asked for yet: pictures with random samples have more noise.")
-    return [f"The goal is this picture, which uses {_and([f'`{stem}`' for stem in used])}:", shown[0],
+    said = shown["said"] or shown["read"]
+    return [f"The goal is this picture, which uses {_and([f'`{stem}`' for stem in used])}:",
+            f"![{said}](docs/pictures/{picture}.png)",
             with_built_drivers(_at_the_size_of(source, picture, command[0])),
             *([" ".join(takes)] if takes else [])]
 
@@ -313,7 +330,7 @@ def _and(stems):
     return " and ".join(filter(None, [", ".join(stems[:-1]), *stems[-1:]]))
 
 
-def _check_words(words, source, features):
+def check_words(words, source, features):
     """Raises ToolError if the course's words hold a line of a solution."""
     found = solution_in(words.note, source, features) if words.note else None
     if found:
@@ -323,18 +340,43 @@ def _check_words(words, source, features):
         raise ToolError("TITLE: this is a line of a solution; choose another")
 
 
-def make_handout(source, stems, out="", folder="", book=True, later="", title="", note=""):
-    """Makes the pack; returns lines that describe it. `title` and `note` are the course's own words."""
-    features, words = read_features(source), read_words(title, note)
+def choose_course(features, stems, later):
+    """Returns the features that are handed out, in the course's order, and those not asked for yet."""
     if not stems:
         raise ToolError("name the assignments: make handout ASSIGNMENTS=\"...\", all, or of: "
                         + " ".join(features))
     named = choose(features, stems)
-    chosen = [feature for feature in features.values() if feature in named]  # in the course's order
-    left_open = _later(features, chosen, later)
+    chosen = [feature for feature in features.values() if feature in named]
+    return chosen, _later(features, chosen, later)
+
+
+def fill_pack(source, pack, features, chosen, left_open):
+    """Makes the pack's folder with all but the book and HANDOUT.md."""
+    tell("copying the kit")
+    _release(source, pack)
+    _hand_out(pack, chosen, left_open)
+    _adapt_texts(source, pack, features.values(), chosen)
+
+
+def told_of_solutions(features, chosen, left_open, later, what="pack"):
+    """Returns lines that say which solutions are left out."""
     solved = [stem for stem, feature in features.items() if feature not in [*chosen, *left_open]]
+    lines = [f"handed out: {_and([feature.stem for feature in chosen])}"]
+    if left_open:
+        lines.append(f"starters that are not asked for yet: {_and([feature.stem for feature in left_open])}")
+    if solved:
+        remedy = "" if later == "all" else "; LATER=all leaves out all that are not needed"
+        return [*lines, f"the solution{'s' if len(solved) > 1 else ''} of {_and(solved)} "
+                f"{'are' if len(solved) > 1 else 'is'} in this {what}{remedy}"]
+    return [*lines, f"no solution is in this {what}"]
+
+
+def make_handout(source, stems, out="", folder="", book=True, later="", title="", note=""):
+    """Makes the pack; returns lines that describe it. `title` and `note` are the course's own words."""
+    features, words = read_features(source), read_words(title, note)
+    chosen, left_open = choose_course(features, stems, later)
     place, name = place_of(out, folder)
-    _check_words(words, source, [*chosen, *left_open])
+    check_words(words, source, [*chosen, *left_open])
     if book and not os.environ.get("PANDOC"):
         raise ToolError("the book needs pandoc: run ./bootstrap, or give BOOK=no for a pack without the book")
     try:
@@ -343,35 +385,24 @@ def make_handout(source, stems, out="", folder="", book=True, later="", title=""
         raise cannot_write(place, error) from error
     try:
         pack = os.path.join(work, name)
-        _tell("copying the kit")
-        _release(source, pack)
-        _hand_out(pack, chosen, left_open)
-        _adapt_texts(source, pack, features.values(), chosen)
+        fill_pack(source, pack, features, chosen, left_open)
         words.check_links(pack, book)
         if book:
-            _weave_book(pack)
+            _hand_out_book(pack)
         _write_handout(source, pack, chosen, [feature.stem for feature in left_open], book, words)
-        _tell("looking for lines of the solutions")
+        tell("looking for lines of the solutions")
         proof = prove(source, pack, features, [*chosen, *left_open])
         keep_originals(pack)
-        _tell("making configure, so that students need no autotools")
+        tell("making configure, so that students need no autotools")
         _configurable(pack)
         if not folder:
-            _tell("packing")
+            tell("packing")
             with tarfile.open(pack + ".tar.gz", "w:gz") as archive:
                 archive.add(pack, name, filter=_anonymous)
         os.rename(pack + ("" if folder else ".tar.gz"), place)
     finally:
         shutil.rmtree(work, ignore_errors=True)
-    lines = [f"handed out: {_and([feature.stem for feature in chosen])}"]
-    if left_open:
-        lines.append(f"starters that are not asked for yet: {_and([feature.stem for feature in left_open])}")
-    if solved:
-        remedy = "" if later == "all" else "; LATER=all leaves out all that are not needed"
-        lines.append(f"the solution{'s' if len(solved) > 1 else ''} of {_and(solved)} "
-                     f"{'are' if len(solved) > 1 else 'is'} in this pack{remedy}")
-    else:
-        lines.append("no solution is in this pack")
+    lines = told_of_solutions(features, chosen, left_open, later)
     if not book:
         lines.append("THE BOOK IS MISSING: this pack is for trying. Without BOOK=no, the book is in it")
     if words.named():

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Writes the texts of a site: the landing page, the list of assignments, what the workbench shows of each.
 
-That is tasks/STEM.json: the goal, the hours, and for each step what to write, what is given, its claims, its
-hints and its sections in the chapter. Texts are HTML, made by pandoc."""
+That is tasks/STEM.json.gz, the data of task_page.py. Texts are HTML, made by pandoc."""
 
+import gzip
 import html
 import json
 import os
@@ -12,10 +12,14 @@ import shutil
 import subprocess
 import sys
 
-from grading.assignments import Parser, ToolError, choose, read_features, read_looks, read_points
-from handout_text import handout_of, task_of
-from hint import hints_of
+from grading.assignments import Parser, ToolError, choose, read_features, read_places, read_points
+from grading.course_words import read_words
+from task_page import task_page
 
+# Of assignments whose own goal speaks of the terminal.
+_GOALS = {"normals": "Try everything once before it gets difficult: the editor, the claims that are "
+                     "checked at each pause in typing, the picture beside the wanted one, and the rays of a "
+                     "pixel. You write two functions of one line each, and see what they do."}
 _BETWEEN = "<hr class=\"between\">"  # pandoc leaves it as it is
 
 
@@ -32,9 +36,7 @@ class Html:
         self._texts = []
 
     def add(self, text):
-        """Returns a place for the HTML of this text."""
         self._texts.append(text)
-        return len(self._texts) - 1
 
     def made(self):
         """Returns the HTML of all texts, in their order."""
@@ -49,64 +51,134 @@ class Html:
         return made
 
 
-def _without_kit_links(text):
-    """Leaves the words of links to files, which a page does not have."""
-    return re.sub(r"\[([^]]*)\]\((?!https?:)[^)]*\)", r"\1", text)
+def html_page(source, feature, places):
+    """Returns an assignment's data for a page, with texts as HTML; `places` are read_places's."""
+    texts, goal = Html(), _GOALS.get(feature.stem, "")
+    task_page(source, feature, texts.add, goal=goal)
+    made = iter(texts.made())
 
-
-def _paragraph(text, beginning):
-    found = re.search(rf"^\*\*{beginning}\.?:?\*\*:? *(.*?)\n\n", text, re.MULTILINE | re.DOTALL)
-    return " ".join(found[1].split()) if found else ""
-
-
-def _in_place(value, made):
-    """Puts HTML where numbers stand for it, in lists and dictionaries."""
-    if isinstance(value, int):
-        return made[value]
-    if isinstance(value, list):
-        return [_in_place(item, made) for item in value]
-    return {key: item if key in ("number", "points", "claims", "sections") else _in_place(item, made)
-            for key, item in value.items()}
-
-
-def task_page(source, feature):
-    """Returns an assignment's data for a page: title, goal, hours, chapter, starter's name, steps."""
-    text = _without_kit_links(handout_of(source, feature))
-    hints, tests, texts = hints_of(text), read_points(feature), Html()
-    title = re.match(r"# (?:Assignment \d+: )?(.*)", text)[1]
-    steps = []
-    for number in sorted({test.step for test in tests if test.step}):
-        write, given = task_of(text, number)
-        of_step = [test for test in tests if test.step == number]
-        steps.append({
-            "number": number, "write": texts.add(write),
-            "given": [texts.add(name) for name, _ in given],
-            "hints": [{"title": texts.add(title), "text": texts.add(body)}
-                      for title, body in hints.get(str(number), [])],
-            "look": [texts.add(look.caption) for look in read_looks(feature) if look.step == number],
-            "claims": [test.name for test in of_step], "points": sum(test.points for test in of_step),
-            "sections": list(dict.fromkeys(test.section for test in of_step))})
-    goal = texts.add(_paragraph(text, "Goal"))
-    made = texts.made()
-    return {"stem": feature.stem, "title": title, "goal": made[goal], "hours": _paragraph(text, "Time"),
-            "chapter": feature.page_name(), "folder": feature.folder, "steps": _in_place(steps, made),
-            "kept": [test.name for test in tests if not test.step]}
+    def page_of(section):
+        return f"{_place(places, section)}?work" if places else ""
+    return task_page(source, feature, lambda _: next(made), "book/" if places else "", page_of, goal)
 
 
 _ASSIGNMENT = ('<li><a href="workbench.html?{stem}"><img src="pictures/{stem}.png" alt="" loading="lazy">'
-               '{number}. {title}</a></li>')
+               '<strong>{number}. {title}</strong> {about}</a></li>')
+_STRIP = ("red_claim.svg", "wrong_picture.png", "normals.png")  # below the landing page's first picture
 
 
-def landing_page(source, course, parts):
-    """Returns the landing page with a picture and a link for each assignment of the course, and a link for
-    each of these parts of the site: "book", "report"."""
+def _sentence(words):
+    return html.escape(words[0].upper() + words[1:])
+
+
+def landing_page(source, course, words, parts):
+    """Returns the landing page with the course's Words, a picture and a link for each assignment, and a
+    link for each of these parts of the site: "book", "report"; "kit": with what is said to instructors."""
     with open(os.path.join(source, "tools", "site", "index.html"), encoding="utf-8") as file:
         page = file.read()
-    items = [_ASSIGNMENT.format(stem=task["stem"], number=task["number"], title=html.escape(task["title"]))
-             for task in course]
-    page = re.sub(r" *<!-- (\w+) -->(.*?)<!-- end -->\n",
-                  lambda part: f"    {part[2]}\n" if part[1] in parts else "", page)
-    return page.replace("<!-- course -->", "\n    ".join(items))
+    features = read_features(source)
+    items = [_ASSIGNMENT.format(stem=task["stem"], number=task["number"], title=_sentence(task["title"]),
+                                about=_sentence(features[task["stem"]].about)) for task in course]
+    note = Html()
+    note.add(words.note)
+    filled = {"title": html.escape(words.title or "raykit"), "note": note.made()[0],
+              "first": course[0]["stem"], "course": "\n    ".join(items)}
+    parts = [*parts, *(["note"] if words.note else [])]
+    page = re.sub(r"( *)<!-- (\w+) -->(.*?)<!-- end -->\n",
+                  lambda part: f"{part[1]}{part[3]}\n" if part[2] in parts else "", page, flags=re.DOTALL)
+    return re.sub(r"\{(title|note|first|course)\}", lambda name: filled[name[1]], page)
+
+
+# --- The book's copy ------------------------------------------------------------------------------
+
+
+def _behind_heading(page, name, link, where):
+    """Returns a page with a paragraph of a link behind the heading of this name."""
+    heading = re.compile(rf'<(h[1-6])\b[^>]*\sid="{re.escape(name)}".*?</\1>', re.DOTALL)
+    made, count = heading.subn(lambda found: f'{found[0]}\n<p class="workbench">{link}</p>', page, count=1)
+    if not count:
+        raise ToolError(f"{where} has no heading {name}; make book again, or correct points.tsv")
+    return made
+
+
+def _steps_of(tests):
+    """Returns a dictionary from a section to the numbers of its steps."""
+    steps = {}
+    for test in tests:
+        if test.step and test.section and test.step not in steps.setdefault(test.section, []):
+            steps[test.section].append(test.step)
+    return steps
+
+
+def _place(places, section):
+    """Returns the page with a section, such as "#bloom-box"."""
+    if section[1:] not in places:
+        raise ToolError(f"the book has no section {section}; make book again, or correct points.tsv")
+    return places[section[1:]]
+
+
+def _read_pages(book, feature, places):
+    """Returns a dictionary from the names of a chapter's pages to their texts: each has a heading."""
+    with open(os.path.join(feature.source, feature.chapter), encoding="utf-8") as file:
+        headings = re.findall(r"^#+ .*\{#([\w-]+)", file.read(), re.MULTILINE)
+    pages = dict.fromkeys(_place(places, f"#{name}") for name in headings)
+    for name in pages:
+        with open(os.path.join(book, name), encoding="utf-8") as file:
+            pages[name] = file.read()
+    return pages
+
+
+def lead_to_workbench(book, feature, places):
+    """Puts links to the workbench into a chapter's pages, below its title and below the sections that belong
+    to steps; and the script that folds solutions for those who come from there."""
+    first, bench = feature.page_name(), f"../workbench.html?{feature.stem}"
+    lines = {first.removesuffix(".html"): [f'<a href="{bench}">Try it: the workbench</a>']}
+    for section, steps in _steps_of(read_points(feature)).items():
+        lines[section[1:]] = [f'<a href="{bench}#step-{step}">Step {step} in the workbench</a>'
+                              for step in sorted(steps)]
+    pages = _read_pages(book, feature, places)
+    for section, links in lines.items():
+        name = _place(places, f"#{section}")
+        pages[name] = _behind_heading(pages[name], section, ", ".join(links), os.path.join(book, name))
+    for name, page in pages.items():
+        before, end, behind = page.partition("</main>\n")
+        if not end:
+            raise ToolError(f"{os.path.join(book, name)} does not end its text; make book again")
+        _write(book, name, f'{before}{end}<script src="../folded.js"></script>\n{behind}')
+
+
+# --- Links that lead out of the book and the report ---------------------------------------------
+
+_OF_THE_KIT = re.compile(r"<a\s([^>]*?)href=\"(?:\.\./){2,}([^\"]*)\"([^>]*)>(.*?)</a>", re.DOTALL)
+REPORT = "report/report/index.html"
+
+
+def _place_in_site(target, places, has_report):
+    """Returns where the site has what is at target in the kit's folder, None if nowhere."""
+    page, _, name = target.partition("#")
+    if page.endswith("docs/out/book.html") and name in places:
+        return f"book/{places[name]}#{name}"
+    return f"{REPORT}#{name}" if page.endswith("reports/out/report.html") and has_report else None
+
+
+def lead_into_site(site, room, places, has_report):
+    """Turns links from the pages in a room, such as "book", to the book and the report into those of the
+    site, and leaves the words of links to other files of the kit, which a site does not have."""
+    folder, up = os.path.join(site, room), "../" * (room.count("/") + 1)
+
+    def turned(link):
+        before, target, behind, words = link.groups()
+        place = _place_in_site(target, places, has_report)
+        return f'<a {before}href="{up}{place}"{behind}>{words}</a>' if place else words
+    for name in os.listdir(folder):
+        if name.endswith(".html"):
+            with open(os.path.join(folder, name), encoding="utf-8") as file:
+                page = file.read()
+            if _OF_THE_KIT.search(page):
+                _write(folder, name, _OF_THE_KIT.sub(turned, page))
+
+
+# --- The site -------------------------------------------------------------------------------------
 
 
 def _write(folder, name, text):
@@ -115,32 +187,59 @@ def _write(folder, name, text):
 
 
 def _write_json(folder, name, value):
-    _write(folder, f"tasks/{name}.json", json.dumps(value, indent=1))
+    with open(os.path.join(folder, "tasks", f"{name}.json.gz"), "wb") as file:
+        file.write(gzip.compress(json.dumps(value).encode(), mtime=0))
+
+
+def workbook_in(folder, name):
+    """Returns a workbook's data for a page: its name for students, and the texts of its files."""
+    texts = {}
+    for file in sorted(os.listdir(folder)):
+        with open(os.path.join(folder, file), encoding="utf-8") as opened:
+            texts[file] = opened.read()
+    return {"folder": name, "files": texts}
 
 
 def main():
     parser = Parser(description=__doc__.split("\n\n")[0])
     parser.add_argument("--source", required=True, metavar="DIR", help="raykit's source folder")
     parser.add_argument("--out", required=True, metavar="DIR", help="write the files there")
+    parser.add_argument("--workbook", required=True, metavar="DIR",
+                        help="what workbook.py has made --named mine")
     parser.add_argument("--book", action="store_true", help="the site has the book, as book/")
     parser.add_argument("--report", action="store_true", help="the site has the report, as report/")
+    parser.add_argument("--title", default="", metavar="TEXT", help="the course's title for the first page")
+    parser.add_argument("--note", default="", metavar="FILE|TEXT",
+                        help="what the course says there, such as dates; Markdown")
+    parser.add_argument("--course", action="store_true", help="the site is a course's, not the kit's")
     parser.add_argument("stems", nargs="*", metavar="STEM", help="features; default: all")
     arguments = parser.parse_args()
     try:
-        os.makedirs(os.path.join(arguments.out, "pictures"), exist_ok=True)
-        os.makedirs(os.path.join(arguments.out, "tasks"), exist_ok=True)
+        for folder in ("pictures", "starters", "tasks"):
+            os.makedirs(os.path.join(arguments.out, folder), exist_ok=True)
         parts = [part for part in ("book", "report") if getattr(arguments, part)]
+        words = read_words(arguments.title, arguments.note)
+        book = os.path.join(arguments.out, "book")
+        places = read_places(book) if arguments.book else {}
         course = []
         for feature in choose(read_features(arguments.source), arguments.stems):
-            task = dict(task_page(arguments.source, feature), has_book=arguments.book)
+            task = html_page(arguments.source, feature, places)
             course.append({"stem": feature.stem, "number": int(feature.folder.split("_")[0]),
                            "title": task["title"]})
             _write_json(arguments.out, feature.stem, task)
+            shutil.copy(os.path.join(arguments.workbook, feature.stem + ".c"),
+                        os.path.join(arguments.out, "starters"))
+            if arguments.book:
+                lead_to_workbench(book, feature, places)
+        for room in [*(["book"] if arguments.book else []), *(["report/report"] if arguments.report else [])]:
+            lead_into_site(arguments.out, room, places, arguments.report)
         _write_json(arguments.out, "course", course)
-        for picture in ("cover", *(task["stem"] for task in course)):
-            shutil.copy(os.path.join(arguments.source, "docs", "pictures", picture + ".png"),
+        _write_json(arguments.out, "workbook", workbook_in(arguments.workbook, "mine"))
+        for picture in ("cover.png", *_STRIP, *(task["stem"] + ".png" for task in course)):
+            shutil.copy(os.path.join(arguments.source, "docs", "pictures", picture),
                         os.path.join(arguments.out, "pictures"))
-        _write(arguments.out, "index.html", landing_page(arguments.source, course, parts))
+        _write(arguments.out, "index.html", landing_page(
+            arguments.source, course, words, [*parts, *([] if arguments.course else ["kit"])]))
     except (ToolError, OSError) as error:
         print(f"site_tasks: {error}", file=sys.stderr)
         return 1

@@ -99,9 +99,10 @@ def _put_starters_back(features):
             f"next: make check-{[*missing, *features][0].stem}, which needs no IMPL for this folder"]
 
 
-def make_workbook(source, folder, stems=()):
-    """Puts starters of these features, or of all, and a README.txt into the folder. Returns a line
-    for each file."""
+def make_workbook(source, folder, stems=(), named=None):
+    """Puts starters of these features, or of all, and a README.txt into the folder. With `named`, they say
+    what is true in a folder of this name in a kit that is built in its own folder. Returns a line for each
+    file."""
     if not folder:
         raise ToolError("name a folder: make workbook DIR=mine")
     real, inside = os.path.realpath(folder), os.path.realpath(os.path.join(source, "src"))
@@ -114,11 +115,12 @@ def make_workbook(source, folder, stems=()):
     features = choose(read_features(source), stems)
     if has_originals(source) and real == os.path.realpath(os.path.dirname(features[0].workbook)):
         return _put_starters_back(features)
+    kit, place, build = (".", named, ".") if named else (source, folder, os.getcwd())
     files = {feature.stem + ".c": starter_of(feature.reference) for feature in features}
     for feature in features:
-        files[feature.stem + ".md"] = as_in_workbook(handout_of(source, feature), source, feature, folder)
+        files[feature.stem + ".md"] = as_in_workbook(handout_of(source, feature), kit, feature, place)
     first = features[0]
-    shown = shlex.quote(folder.rstrip("/") or "/")
+    shown = shlex.quote(place.rstrip("/") or "/")
     lines = [(command.format(first=first.stem, folder=shown), does) for command, does in COMMANDS]
     width = max(len(command) for command, _ in lines)
     files["README.txt"] = README.format(
@@ -126,7 +128,7 @@ def make_workbook(source, folder, stems=()):
         assignments="\n".join(f"    {f.stem + '.c':<24}chapter {f.chapter}" for f in features),
         first=first.stem, chapter=first.chapter, folder=shown,
     )
-    files |= workbook_files(source, folder, os.getcwd(), folder)
+    files |= workbook_files(kit, place, build, place)
     try:
         os.makedirs(folder, exist_ok=True)
     except OSError as error:
@@ -142,11 +144,13 @@ def make_workbook(source, folder, stems=()):
 def main():
     parser = Parser(description=__doc__.split("\n\n")[0])
     parser.add_argument("--source", required=True, metavar="DIR", help="raykit's source folder")
+    parser.add_argument("--named", metavar="NAME", help="the folder's name in a kit built in its own folder, "
+                        "where the workbook is to be used; default: DIR, here")
     parser.add_argument("folder", metavar="DIR", help="the workbook")
     parser.add_argument("stems", nargs="*", metavar="STEM", help="features; default: all")
     arguments = parser.parse_args()
     return run_command("workbook", lambda: print("\n".join(
-        make_workbook(arguments.source, arguments.folder, arguments.stems))))
+        make_workbook(arguments.source, arguments.folder, arguments.stems, arguments.named))))
 
 
 if __name__ == "__main__":

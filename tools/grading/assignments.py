@@ -10,6 +10,7 @@ import argparse
 import csv
 import errno
 import filecmp
+import json
 import os
 import pathlib
 import re
@@ -95,10 +96,21 @@ def choose_format(name, formats):
         raise ToolError(f"FORMAT={name}: choose one of {', '.join(sorted(formats))}")
 
 
+def read_places(book):
+    """Returns a dictionary from the names of a book's sections, figures and listings to their pages; empty
+    where there is no book of pages."""
+    try:
+        text = (pathlib.Path(book) / "places.js").read_text(encoding="utf-8")
+    except OSError:
+        return {}
+    return json.loads(text[text.index("{"):text.rindex("}") + 1])
+
+
 class Feature:
     """A row of features.tsv. What it needs may be the student's, too; what it uses is always the kit's."""
 
-    def __init__(self, source, stem, folder, needs, uses=""):
+    def __init__(self, source, stem, folder, needs, uses="", about=""):
+        self.about = about  # what the effect is, for lists of all
         self.stem, self.folder, self.needs, self.uses = stem, folder, needs.split(), uses.split()
         self.reference = os.path.join(source, "src", "features", stem + ".c")
         self.header = os.path.join(source, "src", "features", stem + ".h")
@@ -109,21 +121,24 @@ class Feature:
         self.suite = os.path.join(source, "tests", f"test_{stem}.c")
 
     def page_name(self):
-        """Returns the name of the chapter's page in a book of pages, which is its first heading's."""
+        """Returns the name of the chapter's first page in a book of pages, which is its first heading's."""
         with open(os.path.join(self.source, self.chapter), encoding="utf-8") as file:
             return re.search(r"\{#([\w-]+)\}", file.readline())[1] + ".html"
 
-    def page(self):
-        """Returns the chapter's page in the book that `make book` has woven, or in a pack's; None without a
-        book."""
-        pages = (pathlib.Path(self.source, "docs", room, "book", self.page_name()).resolve()
-                 for room in ("out", "handout"))
-        return next((page for page in pages if page.is_file()), None)
+    def page(self, section=""):
+        """Returns the page with this section of the chapter, such as "#bloom-box", or its first page, in the
+        book that `make book` has woven, or in a pack's; None without a book."""
+        for room in ("out", "handout"):
+            book = pathlib.Path(self.source, "docs", room, "book").resolve()
+            page = book / read_places(book).get(section[1:], self.page_name())
+            if page.is_file():
+                return page
+        return None
 
     def where_to_read(self, section):
         """Returns the address of a section in the book, for a click; without a book, the chapter's text and
         the section, and how to get pages."""
-        page = self.page()
+        page = self.page(section)
         return page.as_uri() + section if page else (
             f"{self.chapter}{section} (source text: there is no book here; make book weaves it)")
 
@@ -183,7 +198,7 @@ def read_features(source):
     """Returns a dictionary from stem to Feature, in the table's order."""
     path = os.path.join(source, "assignments", "features.tsv")
     rows = read_table(path, ["stem", "folder", "needs", "uses", "about", "picture"])
-    features = {row[0]: Feature(source, *row[:4]) for row in rows}
+    features = {row[0]: Feature(source, *row[:5]) for row in rows}
     for feature in features.values():
         for need in feature.needs:
             if need not in features:

@@ -52,8 +52,8 @@ class Words:
         if fence:
             self.refuse(begun, f"the code that begins here has no end; put {fence} on a line below it")
 
-    def check_links(self, pack, has_book):
-        """Raises ToolError if a link leads to no file of the pack."""
+    def check_links(self, pack, has_book, what="pack"):
+        """Raises ToolError if a link leads to no file of the pack, or of the site."""
         for number, line in self.lines():
             for target in (first or second for first, second in _TARGET.findall(line)):
                 path = target.partition("#")[0]
@@ -62,7 +62,7 @@ class Words:
                 place = os.path.normpath(os.path.join(pack, path))
                 is_book = has_book and path.startswith("docs/handout/")
                 if not place.startswith(os.path.join(pack, "")) or not (is_book or os.path.exists(place)):
-                    self.refuse(number, f"{path} is not in the pack; give its address on the web")
+                    self.refuse(number, f"{path} is not in the {what}; give its address on the web")
 
 
 def _read(note):

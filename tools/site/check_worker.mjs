@@ -1,10 +1,15 @@
-// The worker of a page that checks units: it gets {site, stem} first, the addresses of what `make site` has made and
-// the suite's name, then {id, text} for each save. It sends {loaded}, from 0 to 1, and of each text {id, said, built}, the
-// compiler's words, then a {id, verdict} for each claim, and {id, ends} with the seconds that each part took; when asked
-// to {draw: step} it, {id, drawn} with the picture of the first step from there on that has one. A newer text ends the
-// claims and the picture of the last one.
+// The worker of a page that checks units: it gets {site, stem} first, the addresses of what `make site` has made and the
+// suite's name, then {id, text, others} for each save, others: the texts of the course's other units. It sends {looks},
+// the steps with a picture, {loaded}, from 0 to 1, and of each text {id, said, built}, the compiler's words, then a {id, verdict} for each claim, and {id,
+// ends} with the seconds that each part took; when asked to {draw: step} it, {id, drawn} with the picture of the first
+// step from there on that has one, and to {explain: pixel}, {id, explained: {pixel, texts}}: how the unit comes to that
+// pixel of the picture, and how the kit's does if the site has it. A newer text ends the claims and the picture of the
+// last one. A text that was built at the last visit is checked and drawn before clang is loaded.
+import {Builds} from "./builds.mjs";
 import {Checker} from "./checker.mjs";
 import {Drawer, sized} from "./drawer.mjs";
+import {Others} from "./others.mjs";
+import {unpacked} from "./packed.mjs";
 import {Toolchain} from "./toolchain.mjs";
 
 const LIMIT = 10; // seconds for a claim
@@ -13,73 +18,140 @@ const LATE_CLAIMS = 2;
 const PICTURE_LIMIT = 30;
 const WORKERS = Math.min(4, navigator.hardwareConcurrency || 1);
 
-let ready = null, latest = null, built = null;
+let kit = null, tools = null, latest = null, texts = null, build = null, shown = null, reference = null;
 
-async function load(site, stem) {
-  const fetched = async (name) => {
-    const answer = await fetch(new URL(name, site));
-    if (!answer.ok) throw new Error(`${name} cannot be loaded: ${answer.status} ${answer.statusText}`);
-    return answer;
-  };
-  const bytes = async (name) => new Uint8Array(await (await fetched(name)).arrayBuffer());
-  const json = (name) => fetched(name).then((answer) => answer.json());
-  const [toolchain, archive, suite, headers, suites, drivers, driver, looks] = await Promise.all([
-    Toolchain.load(new URL("clang/bundle.mjs", site).href, (part) => postMessage({loaded: 0.99 * part})),
-    bytes("kit.a"), bytes(`suites/${stem}.o`),
-    json("headers.json"), json("suites.json"), bytes("drivers.a"), bytes(`drivers/${stem}.o`), json("looks.json")]);
-  const kit = {archive, headers, suites: {[stem]: {object: suite, claims: suites[stem]}}};
+async function fetched(name) {
+  const answer = await fetch(new URL(name, kit.site));
+  if (!answer.ok) throw new Error(`${name} cannot be loaded: ${answer.status} ${answer.statusText}`);
+  return answer;
+}
+
+const json = async (name) => (await fetched(name)).json();
+const packed = async (name) => unpacked(await fetched(`${name}.gz`));
+const bytes = async (name) => new Uint8Array(await (await packed(name)).arrayBuffer());
+
+async function begin({site, stem}) {
   const start = (name) => () => new Worker(new URL(name, import.meta.url), {type: "module"});
-  const checker = new Checker(toolchain, kit, start("claims_worker.mjs"), WORKERS);
-  const drawer = new Drawer(toolchain, {archives: {"drivers.a": drivers, "kit.a": archive}, drivers: {[stem]: driver}},
-    start("draw_worker.mjs"));
+  kit = {site, stem, builds: new Builds(site, stem), suites: json_once("suites.json"), looks: json_once("looks.json"),
+    checker: new Checker(null, {suites: {[stem]: {}}}, start("claims_worker.mjs"), WORKERS), drawer: new Drawer(null, {}, start("draw_worker.mjs"))};
+  postMessage({looks: (await kit.looks()).map(({step, caption}) => ({step, caption}))});
+}
+
+function json_once(name) {
+  let value = null;
+  return async () => value ??= (await json(name))[kit.stem];
+}
+
+// Loads clang and what it links units with, once. Resolves to the units of the course.
+function loaded() {
+  tools ??= load();
+  return tools;
+}
+
+async function load() {
+  const {site, stem, checker, drawer} = kit;
+  const [toolchain, archive, object, headers, claims, open, drivers, driver] = await Promise.all([
+    Toolchain.load(new URL("clang/bundle.mjs", site).href, (part) => postMessage({loaded: 0.99 * part})),
+    bytes("kit.a"), bytes(`suites/${stem}.o`), packed("headers.json").then((answer) => answer.json()), kit.suites(), json("open.json"),
+    bytes("drivers.a"), bytes(`drivers/${stem}.o`)]);
+  const starters = Object.fromEntries(await Promise.all(open.stems.map(async (other) => [other, await bytes(`open/${other}.o`)])));
+  Object.assign(checker, {toolchain, kit: {archive, headers, suites: {[stem]: {object, claims}}}});
+  Object.assign(drawer, {toolchain, kit: {archives: {"drivers.a": drivers, "kit.a": archive}, drivers: {[stem]: driver}}});
   checker.compile(stem, `#include "features/${stem}.h"\n`); // the engine compiles clang while it runs
-  postMessage({loaded: 1, claims: suites[stem]});
-  return {checker, drawer, stem, looks: looks[stem]};
+  postMessage({loaded: 1});
+  return new Others(checker, open, starters);
+}
+
+// The driver's module with this unit, linked when it is first drawn.
+async function linked_driver() {
+  if (build.driver || build.undrawn) return;
+  const of = build, others = await loaded(), {bytes: driver, said} = others.driver(kit.drawer, kit.stem, of.object, texts.others);
+  Object.assign(of, driver ? {driver} : {undrawn: said});
 }
 
 // The step's own picture, or that of the next step which has one, or else the last.
 async function draw(id, step) {
-  const {checker, drawer, stem, looks} = await ready;
-  if (id !== latest || !built) return;
-  const look = looks.find((other) => other.step >= step) || looks[looks.length - 1], {bytes, said} = drawer.link(stem, built);
-  if (!bytes) return postMessage({id, drawn: {look, said}});
-  const module = await WebAssembly.compile(bytes);
+  const {checker, drawer, stem} = kit, looks = await kit.looks();
+  if (id !== latest || !build?.suite) return;
+  await linked_driver();
+  if (id !== latest) return;
+  const look = looks.find((other) => other.step >= step) || looks[looks.length - 1], {driver, undrawn} = build;
+  if (!driver) return postMessage({id, drawn: {look, said: undrawn}});
+  const module = await WebAssembly.compile(driver);
   if (id !== latest) return;
   const drawn = await drawer.draw(module, [stem, ...sized(look.args, look.wanted)], PICTURE_LIMIT);
   if (!drawn || id !== latest) return;
-  const place = drawn.fault ? checker.verdict_of(bytes, drawn).place : "";
+  shown = {look, module};
+  const place = drawn.fault ? checker.verdict_of(driver, drawn).place : "";
   postMessage({id, drawn: {...drawn, look, place}}, drawn.pixels ? [drawn.pixels.buffer] : []);
+  keep();
 }
 
-async function check({id, text}) {
-  const {checker, drawer, stem} = await ready;
-  if (id !== latest) return; // a newer one came meanwhile
+// For the next visit; without the object, which is linked by then, and the seconds, which it will not take.
+function keep() {
+  const {object, seconds, ...kept} = build;
+  kit.builds.keep(texts, {...kept, places: [...kit.checker.places]});
+}
+
+// The driver's module with the kit's unit, linked when it is first asked for.
+async function linked_reference({reference: name}) {
+  await loaded();
+  const linked = kit.drawer.link(kit.stem, await bytes(name));
+  if (!linked.bytes) throw new Error(`the kit's unit cannot be linked: ${linked.said}`);
+  return WebAssembly.compile(linked.bytes);
+}
+
+async function explain(id, pixel) {
+  const {look, module} = shown, args = [kit.stem, ...sized(look.args, look.wanted)];
+  const of = (unit) => kit.drawer.explain(unit, args, pixel, PICTURE_LIMIT), explained = [await of(module)];
+  if (look.reference && explained[0] !== null && id === latest) {
+    reference = reference || await linked_reference(look);
+    explained.push(await of(reference));
+  }
+  if (id === latest && !explained.includes(null)) postMessage({id, explained: {pixel, texts: explained}});
+}
+
+// Returns what the texts are built into: {said, why, suite, starters, seconds}, and the unit's object.
+function built({text, others: other_texts}, others) {
+  const {checker, stem} = kit, {object, said, seconds: compile} = checker.compile(stem, text);
+  const {bytes: suite = null, said: why = "", seconds: link, starters} = object ? others.suite(stem, object, other_texts) : {};
+  return {object, said, why, suite, starters, seconds: {compile, link}};
+}
+
+async function check({id, text, others}) {
+  const {checker, drawer} = kit, asked = {text, others};
   checker.end();
   drawer.end();
-  const {object, said, seconds: compile} = checker.compile(stem, text);
-  built = object;
-  const {bytes, said: why, seconds: link} = object ? checker.link(stem, object) : {};
-  postMessage({id, said: said + (why || ""), built: Boolean(bytes)});
-  if (!bytes) return postMessage({id, ends: {compile, link}});
-  const started = performance.now(), claims = checker.kit.suites[stem].claims.map(({name}) => name);
-  const module = await WebAssembly.compile(bytes);
+  const kept = tools ? null : await kit.builds.kept(asked), course = kept ? null : await loaded();
+  if (id !== latest) return; // a newer one came meanwhile
+  texts = asked;
+  build = kept || built(asked, course);
+  checker.places = new Map(build.places);
+  const {said, why, suite, starters, seconds} = build, claims = (await kit.suites()).map(({name}) => name);
+  postMessage({id, said: said + why, built: Boolean(suite)});
+  if (!suite) {
+    postMessage({id, ends: seconds});
+    return keep();
+  }
+  const started = performance.now(), module = await WebAssembly.compile(suite);
   if (id !== latest) return;
   let late = 0;
-  await checker.run(module, bytes, claims, () => late < LATE_CLAIMS ? LIMIT : SHORT_LIMIT, (verdict) => {
+  await checker.run(module, suite, claims, () => late < LATE_CLAIMS ? LIMIT : SHORT_LIMIT, (verdict) => {
     late += verdict.seconds >= LIMIT;
     postMessage({id, verdict});
   });
-  if (id === latest) postMessage({id, ends: {compile, link, run: (performance.now() - started) / 1000}});
+  if (id === latest) postMessage({id, ends: {...seconds, starters, run: (performance.now() - started) / 1000}});
+}
+
+async function answer(data) {
+  if (data.site) return begin(data);
+  if (data.draw) await draw(data.id, data.draw);
+  else if (data.explain) await explain(data.id, data.explain);
+  else await check(data);
+  if (data.draw || !build?.suite) await loaded(); // no earlier: the two processors have a kept picture to draw
 }
 
 onmessage = ({data}) => {
-  if (data.site) {
-    ready = load(data.site, data.stem);
-    ready.catch((error) => postMessage({failed: error.message}));
-  } else if (data.draw) {
-    draw(data.id, data.draw).catch((error) => postMessage({id: data.id, failed: error.message}));
-  } else {
-    latest = data.id;
-    check(data).catch((error) => postMessage({id: data.id, failed: error.message}));
-  }
+  if (data.text !== undefined) latest = data.id;
+  return answer(data).catch((error) => postMessage({id: data.id, failed: error.message}));
 };

@@ -2,10 +2,12 @@
 // own, in a worker that is ended when a claim takes too long.
 
 export class Checker {
+  places = new Map(); // "normals.c:12" by the calls that an engine lists, as far as they were asked for
   #run = {is_ended: true};
   #slots; // {worker, stop}: a worker, or null, and what takes the result that is awaited, or null
 
-  // kit: what `make site` has made: {archive, headers, suites: {STEM: {object, claims}}}. startWorker() starts
+  // toolchain: may come later, if there are modules already. kit: what `make site` has made: {archive, headers, suites:
+  // {STEM: {object, claims}}}. startWorker() starts
   // claims_worker.mjs as a Web Worker, or as what has its interface; there are at most so many.
   constructor(toolchain, kit, startWorker, workers) {
     Object.assign(this, {toolchain, kit, startWorker});
@@ -20,10 +22,11 @@ export class Checker {
     return {object, said, seconds: (performance.now() - started) / 1000};
   }
 
-  // Returns {bytes, seconds}: the suite's module with this unit, or with {said} why it cannot be linked.
-  link(stem, object) {
+  // Returns {bytes, seconds}: the suite's module with this unit, or with {said} why it cannot be linked. others: further
+  // units that it may take (others.mjs).
+  link(stem, object, {others = {}} = {}) {
     const started = performance.now(), suite = this.kit.suites[stem];
-    const {bytes, said} = this.toolchain.link({"unit.o": object, "suite.o": suite.object}, {"kit.a": this.kit.archive});
+    const {bytes, said} = this.toolchain.link({"unit.o": object, "suite.o": suite.object}, {"kit.a": this.kit.archive}, {others});
     return {bytes, said, seconds: (performance.now() - started) / 1000};
   }
 
@@ -53,10 +56,11 @@ export class Checker {
   #run_one(slot, module, claim, limit) {
     return new Promise((resolve) => {
       slot.worker = slot.worker || this.startWorker();
+      const so_far = {printed: "", said: ""};
       const late = () => {
         slot.worker.terminate();
         slot.worker = null;
-        slot.stop({claim, status: 4, seconds: limit, fault: `no verdict after ${limit} s: does a loop never end?`, stack: ""});
+        slot.stop({...so_far, claim, status: 4, seconds: limit, fault: `no verdict after ${limit} s: a loop that never ends, or code that is very slow`, stack: ""});
       };
       const timer = setTimeout(late, 1000 * limit);
       slot.stop = (result) => {
@@ -64,17 +68,21 @@ export class Checker {
         clearTimeout(timer);
         resolve(result);
       };
-      slot.worker.onmessage = ({data}) => { if (slot.stop) slot.stop(data); };
+      slot.worker.onmessage = ({data}) => {
+        if (data.claim) slot.stop?.(data);
+        else for (const [name, part] of Object.entries(data)) so_far[name] += part;
+      };
       slot.worker.postMessage({module, claim});
     });
   }
 
-  // Returns a claim's verdict: {claim, verdict, message, place, seconds}; verdict: "passed", "failed", or "fault" for
-  // what the code did that C does not define. place: "normals.c:12" or "".
-  verdict_of(bytes, {claim, status, message, said, file, line, fault, stack, seconds}) {
+  // Returns a claim's verdict: {claim, verdict, message, place, printed, seconds}; verdict: "passed", "failed", or "fault"
+  // for what the code did that C does not define. place: "normals.c:12" or "". printed: by the unit, to stdout and stderr.
+  verdict_of(bytes, {claim, status, message, printed, said, file, line, fault, stack, seconds}) {
     const verdict = status === 0 ? "passed" : fault ? "fault" : "failed";
     const place = line ? `${file.replace(/.*\//, "")}:${line}` : verdict === "fault" ? this.#place_in(bytes, stack) : "";
-    return {claim, verdict, message: fault || message || (said || "").trim(), place, seconds};
+    const words = fault || message || said.trim();
+    return {claim, verdict, message: words, place, printed: printed + (fault || message || status === 0 ? said : ""), seconds};
   }
 
   // The innermost call of the engine's list that has a line in the unit or the suite.
@@ -82,8 +90,12 @@ export class Checker {
     const section = code_section(bytes);
     const offsets = [...stack.matchAll(/wasm-function\[\d+\]:0x([0-9a-f]+)/g)].map(([, at]) => parseInt(at, 16) - section);
     if (offsets.length === 0) return "";
-    const place = this.toolchain.places(bytes, offsets).find(({line}) => line);
-    return place ? `${place.file.replace(/.*\//, "")}:${place.line}` : "";
+    const calls = `${bytes.length} ${offsets}`;
+    if (!this.places.has(calls) && this.toolchain) {
+      const place = this.toolchain.places(bytes, offsets).find(({line}) => line);
+      this.places.set(calls, place ? `${place.file.replace(/.*\//, "")}:${place.line}` : "");
+    }
+    return this.places.get(calls) || "";
   }
 }
 

@@ -1,5 +1,6 @@
 // Checks units as a page does, in Node.js: node claims.mjs --site FOLDER --units FOLDER [--only "STEM ..."], or units
-// by their files: node claims.mjs --site FOLDER --json normals=a.c normals=b.c ...
+// by their files: node claims.mjs --site FOLDER --json normals=a.c normals=b.c ... In the site of a course, suites take
+// further units that they need from the folder; without it they have starters.
 //
 // Prints a row for each suite, and each claim that does not pass; with --json a line for each unit: its stem, file,
 // what the compiler said, and its verdicts. --first ends a unit at its first claim that does not pass. A claim may take
@@ -9,17 +10,20 @@ import os from "node:os";
 import path from "node:path";
 import {parseArgs} from "node:util";
 import {Checker} from "./checker.mjs";
-import {load_toolchain, read_kit, start_worker} from "./kit_files.mjs";
+import {load_toolchain, read_kit, read_open, read_units, start_worker} from "./kit_files.mjs";
+import {Others} from "./others.mjs";
 
-// Returns {stem, file, said, verdicts, seconds: {compile, link, run}}; no verdicts if the unit cannot be built.
-async function check(checker, stem, file, {first, seconds: limit}) {
-  const result = {stem, file, said: "", verdicts: [], seconds: {}};
+// Returns {stem, file, said, verdicts, starters, seconds: {compile, link, run}}; no verdicts if the unit cannot be built;
+// starters: those of the course that the suite needs and has.
+async function check(checker, others, texts, stem, file, {first, seconds: limit}) {
+  const result = {stem, file, said: "", verdicts: [], starters: [], seconds: {}};
   const {object, said, seconds} = checker.compile(stem, fs.readFileSync(file, "utf8"));
   result.said = said;
   result.seconds.compile = seconds;
   if (!object) return result;
-  const linked = checker.link(stem, object);
+  const linked = others.suite(stem, object, texts);
   result.seconds.link = linked.seconds;
+  result.starters = linked.starters;
   if (!linked.bytes) return {...result, said: result.said + linked.said};
   const started = performance.now();
   await checker.run(await WebAssembly.compile(linked.bytes), linked.bytes, checker.kit.suites[stem].claims.map(({name}) => name), () => Number(limit), (verdict) => {
@@ -44,10 +48,11 @@ const checker = new Checker(await load_toolchain(values.site), read_kit(values.s
 const stems = values.only ? values.only.split(/\s+/) : Object.keys(checker.kit.suites);
 const units = positionals.length ? positionals.map((unit) => unit.split(/=(.*)/s).slice(0, 2))
   : stems.map((stem) => [stem, path.join(values.units, `${stem}.c`)]).filter(([, file]) => fs.existsSync(file));
+const {open, starters} = read_open(values.site), others = new Others(checker, open, starters), texts = read_units(values.units, open);
 let all_pass = units.length > 0;
 if (!values.json) console.log(`${"suite".padEnd(20)} claims  passed compile    link     run  (seconds)`);
 for (const [stem, file] of units) {
-  const result = await check(checker, stem, file, values), broken = result.verdicts.filter(({verdict}) => verdict !== "passed");
+  const result = await check(checker, others, texts, stem, file, values), broken = result.verdicts.filter(({verdict}) => verdict !== "passed");
   all_pass = all_pass && result.verdicts.length > 0 && broken.length === 0;
   if (values.json) {
     console.log(JSON.stringify(result));
@@ -55,6 +60,7 @@ for (const [stem, file] of units) {
   }
   console.log(row(stem, result));
   if (result.verdicts.length === 0) console.log(result.said.replace(/^/gm, "    "));
+  if (result.starters.length) console.log(`    it needs ${result.starters.join(" and ")}, still the starter: solve that first`);
   for (const {claim, verdict, message, place} of broken) console.log(`    ${claim}: ${verdict}${place && ` (${place})`}: ${message}`);
 }
 checker.end();

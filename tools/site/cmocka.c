@@ -44,6 +44,7 @@ int _cmocka_run_group_tests(const char *group, const struct CMUnitTest *tests, s
                             CMFixtureFunction set_up, CMFixtureFunction tear_down)
 {
     (void)group;
+    setvbuf(stdout, NULL, _IONBF, 0); /* told even if the claim ends here, or never */
     void *shared = NULL;
     fixture(set_up, &shared, "the suite's set-up");
     for (size_t i = 0; i < count; i++) {

@@ -1,6 +1,6 @@
 // Shows a picture, the wanted one, and where they differ.
 
-const BLACK_AT = 64; // a difference of so many of 255 levels, and more, is shown black
+export const BLACK_AT = 64; // a difference of so many of 255 levels, and more, is shown black
 const LEVELS = 8; // fewer have come of rounding: the wanted picture was drawn by another compiler
 
 function put(canvas, pixels, width, height) {

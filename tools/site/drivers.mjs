@@ -1,24 +1,22 @@
 // Makes what a page needs to draw with a unit, by the clang that the page will have.
 //
-// node drivers.mjs --source FOLDER --out FOLDER --base "SOURCES" --driver "STEM SOURCES" ... --features "STEM ..."; sources
-// are named from the source folder; clang stands in OUT/clang (clang_package.mjs). Writes into OUT
+// node drivers.mjs --tools FOLDER --source FOLDER --out FOLDER --store FOLDER --base "SOURCES" --driver "STEM SOURCES" ...
+// --features "STEM ..." --open "STEM ..." [--references]; as for objects.mjs. Writes into OUT
 //   drivers.a           objects of the renderer and of what drivers share, with what takes the system's place
-//   drivers/STEM.o      those, in one, of a driver, and of all features but the one that is the student's to write
-//   looks.json          for each driver its steps' pictures, by look.tsv: {step, args, caption, size, wanted, picture};
-//                       size: as large as the student's is natively, wanted: of the picture of that name
+//   drivers/STEM.o      those, in one, of a driver, and of all features but the one that is the student's to write and
+//                       those that are open
+//   references/STEM.o   with --references, the kit's unit, whose explanation of a pixel stands beside the student's
+//   looks.json          for each driver its steps' pictures, by look.tsv: {step, args, caption, size, wanted, picture,
+//                       reference}; size: as large as the student's is natively, wanted: of the picture of that name;
+//                       reference: its object's name, if there is one
 //   wanted/STEM-STEP.png
-//   objects/            all objects by the digest of what they are made of, for the next time
 import fs from "node:fs";
 import path from "node:path";
 import {parseArgs} from "node:util";
-import {load_toolchain} from "./kit_files.mjs";
-import {Maker, tree} from "./maker.mjs";
+import {load_toolchain, write_packed} from "./kit_files.mjs";
+import {maker_of_drivers} from "./maker.mjs";
 import {ToolError} from "./toolchain.mjs";
 
-const INCLUDE = ["src", "sse2"];
-// Vectors as in live figures (tools/live/sse2). mkstemp is declared nowhere; tools/live/no_system.c has it.
-const FLAGS = ["-target-feature", "+simd128", "-D__SSE2__", "-D_WASI_EMULATED_MMAN",
-  `-DPACKAGE_VERSION="page"`, "-Wno-error=implicit-function-declaration"];
 const SIDE = 800; // of a driver's picture without --width and --height
 
 // Words of look.tsv are written without quotes.
@@ -47,21 +45,24 @@ function looks_of(source, out, stem) {
 
 async function main() {
   const text = {type: "string"}, words = (list) => list.split(/\s+/).filter(Boolean);
-  const {values} = parseArgs({options: {source: text, out: text, base: text, features: text, driver: {...text, multiple: true}}});
-  const {source, out} = values, toolchain = await load_toolchain(out), headers = (folder) => tree(path.join(source, folder), /\.h$/);
-  const maker = new Maker(toolchain, {source, store: path.join(out, "objects"), include: INCLUDE, flags: FLAGS,
-    headers: {src: headers("src"), sse2: headers("tools/live/sse2")}});
-  for (const folder of ["drivers", "wanted"]) fs.mkdirSync(path.join(out, folder), {recursive: true});
-  const archive = toolchain.archive(maker.compile_all(words(values.base))), looks = {};
-  // Here it is decided whose units the others are: the kit's. In the site of a course, those that its students are still
-  // to write would come from starters, as in a pack's drivers.
-  const unit = (stem) => `src/features/${stem}.c`;
-  for (const driver of values.driver) {
-    const [stem, ...sources] = words(driver), others = words(values.features).filter((feature) => feature !== stem).map(unit);
-    fs.writeFileSync(path.join(out, "drivers", `${stem}.o`), toolchain.join(maker.compile_all([...sources, ...others])));
-    looks[stem] = looks_of(source, out, stem);
+  const {values} = parseArgs({options: {tools: text, source: text, out: text, store: text, base: text,
+    features: text, open: text, references: {type: "boolean"}, driver: {...text, multiple: true}}});
+  const {tools, source, out, store, references} = values, toolchain = await load_toolchain(out);
+  const maker = maker_of_drivers(toolchain, {source, tools, store});
+  for (const folder of ["drivers", "wanted", "references"]) {
+    fs.rmSync(path.join(out, folder), {recursive: true, force: true}); // of an older site
+    fs.mkdirSync(path.join(out, folder), {recursive: true});
   }
-  fs.writeFileSync(path.join(out, "drivers.a"), archive);
+  const archive = toolchain.archive(maker.compile_all(words(values.base))), looks = {}, open = words(values.open);
+  const solved = words(values.features).filter((feature) => !open.includes(feature)), unit = (stem) => `src/features/${stem}.c`;
+  for (const driver of values.driver || []) {
+    const [stem, ...sources] = words(driver), others = solved.filter((feature) => feature !== stem).map(unit);
+    write_packed(out, `drivers/${stem}.o`, toolchain.join(maker.compile_all([...sources, ...others])));
+    const reference = references ? {reference: `references/${stem}.o`} : {};
+    if (references) write_packed(out, reference.reference, maker.compile(unit(stem)));
+    looks[stem] = looks_of(source, out, stem).map((look) => ({...look, ...reference}));
+  }
+  write_packed(out, "drivers.a", archive);
   fs.writeFileSync(path.join(out, "looks.json"), JSON.stringify(looks, null, 1));
 }
 

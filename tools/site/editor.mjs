@@ -1,17 +1,20 @@
 // The editor of a unit's text: CodeMirror 6, with what a unit in C needs. By keys alone: Tab indents, and after Escape
 // leaves the editor.
-import {history, historyField, historyKeymap, defaultKeymap, indentWithTab} from "@codemirror/commands";
+import {history, historyField, historyKeymap, defaultKeymap, indentWithTab, isolateHistory, redoDepth, undoDepth} from "@codemirror/commands";
 import {cpp} from "@codemirror/lang-cpp";
 import {bracketMatching, codeFolding, foldEffect, foldGutter, foldKeymap, HighlightStyle, indentOnInput, indentUnit, syntaxHighlighting, syntaxTree, ensureSyntaxTree} from "@codemirror/language";
 import {closeBrackets, closeBracketsKeymap} from "@codemirror/autocomplete";
 import {lintGutter, lintKeymap, setDiagnostics} from "@codemirror/lint";
 import {highlightSelectionMatches, searchKeymap} from "@codemirror/search";
-import {EditorState} from "@codemirror/state";
+import {EditorState, Prec} from "@codemirror/state";
 import {drawSelection, EditorView, highlightActiveLine, highlightActiveLineGutter, keymap, lineNumbers} from "@codemirror/view";
 import {tags} from "@lezer/highlight";
 
 const STEP = /\/\/ \w+ step\b/; // what starters say in a function that is the student's to write
 const FOLDED_FROM = 3; // lines
+
+// A closing brace goes on a line of its own, where it would be typed beside the one that the editor has put there.
+const CLOSED = Prec.high(EditorState.languageData.of(() => [{closeBrackets: {brackets: ["(", "[", "'", "\""]}}]));
 
 // Colours are the page's, light or dark.
 const COLOURS = HighlightStyle.define([
@@ -34,6 +37,17 @@ const LOOK = EditorView.theme({
   ".cm-tooltip": {color: "CanvasText", backgroundColor: "Canvas"},
 });
 
+const HISTORY = {history: historyField};
+// As one step of the history.
+const replaced = (state, text) => state.update({changes: {from: 0, to: state.doc.length, insert: text}, annotations: isolateHistory.of("full")});
+
+// Returns what Editor.keep() returns when `text` has replaced that of `kept`, or of the starter if this is null.
+export function with_text(kept, starter, text) {
+  const extensions = [history()];
+  const state = kept ? EditorState.fromJSON(kept, {extensions}, HISTORY) : EditorState.create({doc: starter, extensions});
+  return replaced(state, text).state.toJSON(HISTORY);
+}
+
 export class Editor {
   #view;
   #changed;
@@ -48,7 +62,7 @@ export class Editor {
 
   #extensions() {
     return [lineNumbers(), highlightActiveLineGutter(), history(), foldGutter(), codeFolding({placeholderText: "given"}),
-      drawSelection(), indentOnInput(), indentUnit.of("    "), EditorState.tabSize.of(4), bracketMatching(), closeBrackets(),
+      drawSelection(), indentOnInput(), indentUnit.of("    "), EditorState.tabSize.of(4), bracketMatching(), CLOSED, closeBrackets(), EditorView.lineWrapping,
       highlightActiveLine(), highlightSelectionMatches(), cpp(), syntaxHighlighting(COLOURS), lintGutter(), LOOK,
       EditorView.contentAttributes.of({"aria-label": this.label, spellcheck: "false", autocapitalize: "off", tabindex: "0"}),
       EditorView.updateListener.of((update) => { if (update.docChanged) this.#changed(this.text()); }),
@@ -61,15 +75,27 @@ export class Editor {
   open(text, kept = null) {
     const extensions = this.#extensions();
     let state = EditorState.create({doc: text, extensions});
-    if (kept) state = EditorState.fromJSON(kept, {extensions}, {history: historyField});
+    if (kept) state = EditorState.fromJSON(kept, {extensions}, HISTORY);
     this.#view.setState(state);
   }
 
   // Returns text, selection and history, as JSON can hold them.
-  keep() { return this.#view.state.toJSON({history: historyField}); }
+  keep() { return this.#view.state.toJSON(HISTORY); }
 
   // Replaces the text, so that this can be undone.
-  replace(text) { this.#view.dispatch({changes: {from: 0, to: this.#view.state.doc.length, insert: text}}); }
+  replace(text) { this.#view.dispatch(replaced(this.#view.state, text)); }
+
+  focus() { this.#view.focus(); } // so that undo brings back what a button has replaced
+
+  // Has undo bring back this text before the others.
+  remember(text) {
+    const now = this.text(), {selection} = this.#view.state;
+    this.replace(text);
+    this.replace(now);
+    this.#view.dispatch({selection});
+  }
+
+  is_untouched() { return undoDepth(this.#view.state) + redoDepth(this.#view.state) === 0; }
 
   // Folds the functions of a starter in which nothing is left to write.
   foldGiven() {

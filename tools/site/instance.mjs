@@ -14,10 +14,12 @@ function said_of(error) {
   return text;
 }
 
+const MOST = 1 << 16; // characters that are kept of what a program prints
+
 // args: what a suite takes: ["--only", name], ["--list"]. Returns what runProgram does, and message, file and line of the
-// claim that failed.
-export function runSuite(module, args, environment = {}) {
-  return runProgram(module, ["suite", ...args], {environment, result: {message: "", file: "", line: 0}, calls: (result, {text}) => ({
+// claim that failed. Calls tell({printed}) or tell({said}) when something is printed.
+export function runSuite(module, args, environment = {}, tell = () => {}) {
+  return runProgram(module, ["suite", ...args], {environment, tell, result: {message: "", file: "", line: 0}, calls: (result, {text}) => ({
     message(said) { result.message = text(said); },
     failed(file, line) { Object.assign(result, {file: text(file), line}); },
     fault(what, file, line) { Object.assign(result, {fault: text(what), file: text(file), line}); },
@@ -37,9 +39,9 @@ export function runDriver(module, args) {
   })});
 }
 
-// Returns {status, printed, said, fault, stack} and what calls, the program's own imports, put into result; fault: what
+// Returns {status, printed, said, fault, stack}, printed and said as long as MOST, and what calls, the program's own imports, put into result; fault: what
 // the code did that C does not define, or ""; stack: the engine's list of calls at the fault.
-function runProgram(module, args, {environment = {}, result: own, calls}) {
+function runProgram(module, args, {environment = {}, tell = () => {}, result: own, calls}) {
   const result = {status: 0, printed: "", said: "", fault: "", stack: "", ...own};
   const encode = (words) => words.map((word) => new TextEncoder().encode(word + "\0"));
   const words = encode(args), variables = encode(Object.entries(environment).map((pair) => pair.join("=")));
@@ -75,12 +77,15 @@ function runProgram(module, args, {environment = {}, result: own, calls}) {
     },
     fd_write(descriptor, vectors, count, written) {
       if (!decoders[descriptor]) return BAD_DESCRIPTOR;
+      const name = descriptor === 1 ? "printed" : "said";
       let sum = 0;
       for (let i = 0; i < count; i++) {
         const size = view().getUint32(vectors + 8 * i + 4, true);
-        const part = decoders[descriptor].decode(bytes(view().getUint32(vectors + 8 * i, true), size).slice(), {stream: true});
-        result[descriptor === 1 ? "printed" : "said"] += part;
         sum += size;
+        if (result[name].length >= MOST) continue;
+        const part = decoders[descriptor].decode(bytes(view().getUint32(vectors + 8 * i, true), size).slice(), {stream: true});
+        result[name] += part;
+        tell({[name]: part});
       }
       view().setUint32(written, sum, true);
       return SUCCESS;

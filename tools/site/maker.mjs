@@ -4,8 +4,12 @@ import fs from "node:fs";
 import path from "node:path";
 import {OBJECT_FLAGS, ToolError} from "./toolchain.mjs";
 
+const PACKAGE = `-DPACKAGE_VERSION="page"`;
+// Vectors as in live figures (tools/live/sse2). mkstemp is declared nowhere; tools/live/no_system.c has it.
+const OF_DRIVERS = ["-target-feature", "+simd128", "-D__SSE2__", "-D_WASI_EMULATED_MMAN", PACKAGE, "-Wno-error=implicit-function-declaration"];
+
 // A folder's files whose names end so, as a tree.
-export function tree(folder, end) {
+function tree(folder, end) {
   const files = {};
   for (const entry of fs.readdirSync(folder, {withFileTypes: true})) {
     const at = path.join(folder, entry.name);
@@ -15,18 +19,19 @@ export function tree(folder, end) {
   return files;
 }
 
-export class Maker {
-  // store: the folder in which objects stand by the digest of what they are made of. headers: trees by the folders that
-  // include names.
-  constructor(toolchain, {source, store, headers, include, flags}) {
-    Object.assign(this, {toolchain, source, store, headers, include, flags});
+class Maker {
+  // tools: the folder in which the sources are that `source`, a pack, lacks. store: the folder in which objects stand by
+  // the digest of what they are made of. headers: trees by the folders that include names.
+  constructor(toolchain, {source, tools, store, headers, include, flags}) {
+    Object.assign(this, {toolchain, source, tools, store, headers, include, flags});
     this.inputs = createHash("sha256").update(JSON.stringify([headers, include, flags, OBJECT_FLAGS])).digest("hex");
     fs.mkdirSync(store, {recursive: true});
   }
 
   // Returns the object of a source; throws what the compiler says of it.
   compile(file, checks = false) {
-    const name = path.basename(file), text = fs.readFileSync(path.join(this.source, file), "utf8");
+    const name = path.basename(file), folder = fs.existsSync(path.join(this.source, file)) ? this.source : this.tools;
+    const text = fs.readFileSync(path.join(folder, file), "utf8");
     const beside = file.startsWith("assignments/") ? tree(path.join(this.source, path.dirname(file)), /\.h$/) : {};
     const parts = Object.keys(beside).length ? JSON.stringify(beside) : "";
     const digest = createHash("sha256").update(`${this.inputs} ${checks} ${file}\n${parts}${text}`).digest("hex");
@@ -44,4 +49,17 @@ export class Maker {
   compile_all(sources, checks = () => false) {
     return Object.fromEntries(sources.map((file) => [file.replaceAll("/", "-").replace(/c$/, "o"), this.compile(file, checks(file))]));
   }
+}
+
+// A pack's headers are the same, but it lacks those of instructors' tests.
+const headers = (...folder) => tree(path.join(...folder), /\.h$/);
+
+export function maker_of_suites(toolchain, {source, tools, store}) {
+  return new Maker(toolchain, {source, tools, store, include: ["src", "tests", "site", "site/include"], flags: [PACKAGE],
+    headers: {src: headers(tools, "src"), tests: headers(tools, "tests"), site: headers(tools, "tools/site")}});
+}
+
+export function maker_of_drivers(toolchain, {source, tools, store}) {
+  return new Maker(toolchain, {source, tools, store, include: ["src", "sse2"], flags: OF_DRIVERS,
+    headers: {src: headers(tools, "src"), sse2: headers(tools, "tools/live/sse2")}});
 }

@@ -94,6 +94,9 @@ static bool is_poisoned(uintptr_t at)
 
 /* --- Blocks ----------------------------------------------------------------------------------- */
 
+/* New memory has no zeros by chance: as natively, so much of it has this byte. */
+enum { filled_bytes = 4096, filling = 0xbe };
+
 enum { margin = 32 }; /* bytes on each side of a block, the header among those before it */
 
 typedef struct block {
@@ -136,11 +139,10 @@ static void *allocate(size_t alignment, size_t size)
     blocks = b;
     set_poison((uintptr_t)b, margin, true);
     set_poison(start_of(b) + size, margin, true);
+    memset((void *)start_of(b), filling, size < filled_bytes ? size : filled_bytes);
     __sanitizer_malloc_hook((void *)start_of(b), size);
     return (void *)start_of(b);
 }
-
-static void report(const char *what, uintptr_t at, size_t size);
 
 static void forget_oldest(void)
 {
@@ -183,9 +185,9 @@ void __wrap_free(void *memory)
         return;
     block *b = (block *)(void *)((char *)memory - margin);
     if ((uintptr_t)memory < page_size || b->mark != mark_of(b) || b->is_freed) {
-        report("free is called for memory that is freed already, or that malloc did not return",
-               (uintptr_t)memory, 0);
-        return;
+        site_fault("free is called for memory that is freed already, or that malloc did not return",
+                   "", 0);
+        __builtin_trap();
     }
     __sanitizer_free_hook(memory);
     if (b->previous)
@@ -260,31 +262,108 @@ static const block *block_near(const block *b, uintptr_t at)
     return b;
 }
 
-static void report(const char *what, uintptr_t at, size_t size)
+/* Says where `at` is in the block that it is in or beside, if there is one. */
+static void tell_block(char *text, size_t length, uintptr_t at)
 {
-    char text[400], where[200] = "";
-    const block *b = block_near(blocks, at), *freed = block_near(freed_first, at);
+    const block *b = block_near(blocks, at);
     if (!b)
-        b = freed;
-    if (at < page_size)
-        snprintf(where, sizeof where, ": a pointer that is NULL, or almost");
-    else if (at < stack_end)
-        snprintf(where, sizeof where, ": beside a variable, or of one whose block has ended");
-    else if (b && b->is_freed)
-        snprintf(where, sizeof where, ": in a block of %zu bytes that is freed already", b->size);
-    else if (b && at >= start_of(b))
-        snprintf(where, sizeof where, ": %zu bytes after the beginning of a block of %zu bytes",
-                 (size_t)(at - start_of(b)), b->size);
-    else if (b)
-        snprintf(where, sizeof where, ": %zu bytes before a block of %zu bytes",
-                 (size_t)(start_of(b) - at), b->size);
-    if (size > 0)
-        snprintf(text, sizeof text, "%s %zu bytes of memory that is not its own%s", what, size,
-                 where);
+        b = block_near(freed_first, at);
+    if (!b)
+        return;
+    uintptr_t start = start_of(b), end = start + b->size;
+    if (b->is_freed)
+        snprintf(text, length, " of a block of %zu bytes that is freed already", b->size);
+    else if (at == end)
+        snprintf(text, length, " beyond the end of a block of %zu bytes that malloc gave", b->size);
+    else if (at > end)
+        snprintf(text, length,
+                 ", %zu bytes beyond the end of a block of %zu bytes that malloc gave",
+                 (size_t)(at - end), b->size);
+    else if (at < start)
+        snprintf(text, length, ", %zu bytes before a block of %zu bytes that malloc gave",
+                 (size_t)(start - at), b->size);
     else
-        snprintf(text, sizeof text, "%s%s", what, where);
-    site_fault(text, "", 0);
+        snprintf(text, length, " of a block of %zu bytes that malloc gave, too few", b->size);
+}
+
+/* Of what is done, such as "reads", with so many bytes; 0: not known how many. */
+static _Noreturn void wrong_access(const char *what, uintptr_t at, size_t size, const char *place,
+                                   int line)
+{
+    if (at < page_size &&
+        (uintptr_t)__builtin_frame_address(0) < 2 * page_size) { /* its end is at 0 */
+        site_fault("the stack is used up: does a function call itself for ever?", place, line);
+        __builtin_trap();
+    }
+    char text[400], bytes[40] = "", where[200] = " of memory that is not its own";
+    const block *b = block_near(blocks, at);
+    uintptr_t end = b ? start_of(b) + b->size : 0;
+    if (at < end && at + size > end) { /* the part that is beyond it */
+        size -= end - at;
+        at = end;
+    }
+    if (at < page_size)
+        snprintf(where, sizeof where, " by a pointer that is NULL, or almost");
+    else if (at < stack_end)
+        snprintf(where, sizeof where, " beside a variable, or of one whose block has ended");
+    else
+        tell_block(where, sizeof where, at);
+    if (size > 0)
+        snprintf(bytes, sizeof bytes, " %zu byte%s", size, size == 1 ? "" : "s");
+    snprintf(text, sizeof text, "%s%s%s", what, bytes, where);
+    site_fault(text, place, line);
     __builtin_trap();
+}
+
+static _Noreturn void report(bool writes, uintptr_t at, size_t size)
+{
+    wrong_access(writes ? "writes" : "reads", at, size, "", 0);
+}
+
+/* What clang's checks for undefined behaviour call (undefined.c has the others): a pointer that is
+ * NULL, or not aligned, or to memory of which the compiler knows that it is too small. */
+typedef struct mismatch {
+    const char *file;
+    uint32_t line, column;
+    const struct type {
+        uint16_t kind, info;
+        char name[];
+    } * type;
+    uint8_t log_alignment, access;
+} mismatch;
+
+enum { integer = 0, floating_point = 1 }; /* kinds of types */
+enum { load = 0, store = 1 };             /* accesses; others have no size */
+
+/* Of a number; 0 for another type. */
+static size_t size_of(const struct type *type)
+{
+    if (type->kind == integer)
+        return ((size_t)1 << (type->info >> 1)) / 8;
+    return type->kind == floating_point ? type->info / 8u : 0;
+}
+
+_Noreturn void __ubsan_handle_type_mismatch_v1_abort(const mismatch *found, uintptr_t pointer);
+void __ubsan_handle_type_mismatch_v1_abort(const mismatch *found, uintptr_t pointer)
+{
+    const char *file = found->file;
+    const int line = (int)found->line;
+    char part[120];
+    if (pointer == 0) {
+        site_fault("a pointer that is NULL is used", file, line);
+        __builtin_trap();
+    }
+    if (pointer % ((uintptr_t)1 << found->log_alignment) != 0) {
+        site_fault("a pointer is used whose address its type cannot have (it is not aligned)", file,
+                   line);
+        __builtin_trap();
+    }
+    size_t size = found->access <= store ? size_of(found->type) : 0;
+    snprintf(part, sizeof part, "uses, as %.80s, bytes", found->type->name);
+    wrong_access(size == 0                ? part
+                 : found->access == store ? "writes"
+                                          : "reads",
+                 pointer, size, file, line);
 }
 
 /* A handler may open the page, and may close it again. */
@@ -298,7 +377,7 @@ static void fault(uintptr_t at, size_t size, bool writes)
         siginfo_t info = {(void *)where};
         handler.sa_sigaction(SIGSEGV, &info, NULL);
     }
-    report(writes ? "writes" : "reads", at, size);
+    report(writes, at, size);
 }
 
 static __attribute__((noinline)) void look(uintptr_t at, size_t size, bool writes)
@@ -314,7 +393,7 @@ static __attribute__((noinline)) void look(uintptr_t at, size_t size, bool write
             if (i % 8 == 0 && i + 8 <= end && poison_of[page][i % page_size / 8] == 0)
                 i += 7;
             else if (is_poisoned(i))
-                report(writes ? "writes" : "reads", i, end - i);
+                report(writes, i, end - i);
     }
 }
 
@@ -322,7 +401,7 @@ static __attribute__((noinline)) void look(uintptr_t at, size_t size, bool write
 static inline void check(uintptr_t at, size_t size, bool writes)
 {
     if (at < stack_end && is_beside_variable(at, size))
-        report(writes ? "writes" : "reads", at, size);
+        report(writes, at, size);
     size_t first = at % page_size;
     uint8_t state = state_of[at >> page_bits];
     if (first + size <= page_size && (state & ~has_poison) == 0) {
@@ -361,7 +440,7 @@ void __asan_loadN(uintptr_t at, size_t size)
     if (size == 0)
         return;
     if (at < stack_end && is_beside_variable(at, size))
-        report("reads", at, size);
+        report(false, at, size);
     look(at, size, false);
 }
 
@@ -371,7 +450,7 @@ void __asan_storeN(uintptr_t at, size_t size)
     if (size == 0)
         return;
     if (at < stack_end && is_beside_variable(at, size))
-        report("writes", at, size);
+        report(true, at, size);
     look(at, size, true);
 }
 

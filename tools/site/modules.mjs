@@ -14,6 +14,10 @@ fs.mkdirSync(path.join(out, "modules"), {recursive: true});
 function add(name) {
   if (name in imports) return;
   const folder = path.join(packages, name);
+  if (!fs.existsSync(folder)) {
+    console.error(`modules.mjs: npm's package ${name} is missing: run ./bootstrap --site`);
+    process.exit(1);
+  }
   const {module, main = "index.js", dependencies = {}} = JSON.parse(fs.readFileSync(path.join(folder, "package.json"), "utf-8"));
   const file = `modules/${name.replace("@", "").replaceAll("/", "-")}.js`;
   imports[name] = `./${file}`;

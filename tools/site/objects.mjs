@@ -1,24 +1,26 @@
 // Makes what a page needs to check units, by the clang that the page will have.
 //
-// node objects.mjs --source FOLDER --out FOLDER --base "SOURCES" --suite "STEM SOURCES" ...; sources are named from the
-// source folder; clang stands in OUT/clang (clang_package.mjs). Writes into OUT
+// node objects.mjs --tools FOLDER --source FOLDER --out FOLDER --store FOLDER --base "SOURCES" --suite "STEM SOURCES" ...
+// --open "STEM ..."; tools: raykit's source folder, source: that or a pack, from which sources are named. clang stands in
+// OUT/clang (clang_package.mjs), and STORE keeps all objects, by the digest of what they are made of, for the next time.
+// Writes into OUT, packed by gzip (.gz) all that is no text,
 //   kit.a               objects of the base library, and of what takes cmocka's and the system's place
 //   suites/STEM.o       those, in one, of a suite: its claims, and the kit's units that it needs beside the student's
+//   open/STEM.o         starters of the units of a pack that are open: the students' in a course, or those of a later time
 //   headers.json        the headers that a unit can include, as a tree of their texts
 //   suites.json         for each suite its claims, in the order of points.tsv: {name, points, step}
-//   objects/            all objects by the digest of what they are made of, for the next time
+//   open.json           {stems, suites, starters, note}: which units are open, for each suite those that it may need, the
+//                       texts of those that the course asks for, and src/driver/implementation_note.c
 import fs from "node:fs";
 import path from "node:path";
 import {parseArgs} from "node:util";
 import {ToolError} from "./toolchain.mjs";
-import {load_toolchain} from "./kit_files.mjs";
-import {Maker, tree} from "./maker.mjs";
+import {load_toolchain, write_packed} from "./kit_files.mjs";
+import {maker_of_suites} from "./maker.mjs";
 import {runSuite} from "./instance.mjs";
 
 const OWN = ["tools/site/cmocka.c", "tools/site/memory.c", "tools/site/undefined.c"];
 const OF_SUITES = ["tests/suite.c", "tests/likely_mistakes.c"];
-const INCLUDE = ["src", "tests", "site", "site/include"];
-const FLAGS = [`-DPACKAGE_VERSION="page"`];
 
 // The claims in the order in which students meet them, each with its points and its step.
 function claims_of(source, stem, names) {
@@ -32,31 +34,38 @@ function claims_of(source, stem, names) {
 }
 
 async function main() {
-  const text = {type: "string"};
-  const {values} = parseArgs({options: {source: text, out: text, base: text, suite: {...text, multiple: true}}});
-  const {source, out} = values, toolchain = await load_toolchain(out);
-  const headers = (folder) => tree(path.join(source, folder), /\.h$/);
-  const maker = new Maker(toolchain, {source, store: path.join(out, "objects"), include: INCLUDE, flags: FLAGS,
-    headers: {src: headers("src"), tests: headers("tests"), site: headers("tools/site")}});
-  fs.mkdirSync(path.join(out, "suites"), {recursive: true});
+  const text = {type: "string"}, words = (list) => list.split(/\s+/).filter(Boolean);
+  const {values} = parseArgs({options: {tools: text, source: text, out: text, store: text, base: text, open: text, suite: {...text, multiple: true}}});
+  const {tools, source, out, store} = values, toolchain = await load_toolchain(out);
+  const maker = maker_of_suites(toolchain, {source, tools, store});
+  for (const folder of ["open", "suites"]) {
+    fs.rmSync(path.join(out, folder), {recursive: true, force: true}); // of an older site
+    fs.mkdirSync(path.join(out, folder), {recursive: true});
+  }
   // Allocations are counted by the sanitizer's hooks; the kit's triangle test reads what a unit gives it.
   const is_checked = (file) => file === "tests/count_allocations.c" || file.startsWith("src/features/");
-  const kit = toolchain.archive(maker.compile_all([...values.base.split(/\s+/).filter(Boolean), ...OWN,
-    "tests/count_allocations.c"], is_checked));
-  const suites = {};
+  const unit = (stem) => `src/features/${stem}.c`, stems = words(values.open), isOpen = (file) => stems.map(unit).includes(file);
+  const base = words(values.base), starters = Object.fromEntries(stems.map((stem) => [stem, maker.compile(unit(stem))]));
+  const kit = toolchain.archive(maker.compile_all([...base.filter((file) => !isOpen(file)), ...OWN, "tests/count_allocations.c"], is_checked));
+  const suites = {}, open = {stems, suites: {}, starters: {}, note: fs.readFileSync(path.join(source, "src/driver/implementation_note.c"), "utf8")};
   for (const suite of values.suite) {
-    const [stem, ...sources] = suite.split(/\s+/).filter(Boolean), unit = `src/features/${stem}.c`;
-    const object = toolchain.join(maker.compile_all([...OF_SUITES, ...sources.filter((file) => file !== unit)],
+    const [stem, ...all] = words(suite), sources = all.filter((file) => file !== unit(stem));
+    const object = toolchain.join(maker.compile_all([...OF_SUITES, ...sources.filter((file) => !isOpen(file))],
       (file) => file.startsWith("tests/")));
-    fs.writeFileSync(path.join(out, "suites", `${stem}.o`), object);
-    const {bytes, said: why} = toolchain.link({"unit.o": maker.compile(unit, true), "suite.o": object}, {"kit.a": kit});
+    write_packed(out, `suites/${stem}.o`, object);
+    open.suites[stem] = [...sources, ...base].filter(isOpen).map((file) => path.basename(file, ".c")).filter((other) => other !== stem);
+    if (stems.includes(stem)) open.starters[stem] = fs.readFileSync(path.join(source, "workbook", `${stem}.c`), "utf8");
+    const others = Object.fromEntries(open.suites[stem].map((other) => [`other-${other}.o`, starters[other]]));
+    const {bytes, said: why} = toolchain.link({"unit.o": maker.compile(unit(stem), true), "suite.o": object}, {"kit.a": kit}, {others});
     if (!bytes) throw new ToolError(`the suite ${stem} cannot be linked: ${why}`);
     const {printed, status, said, fault} = runSuite(new WebAssembly.Module(bytes), ["--list"]);
     if (status !== 0) throw new ToolError(`the suite ${stem} does not list its claims: ${said} ${fault}`);
     suites[stem] = claims_of(source, stem, printed.trim().split("\n"));
   }
-  fs.writeFileSync(path.join(out, "kit.a"), kit);
-  fs.writeFileSync(path.join(out, "headers.json"), JSON.stringify(maker.headers.src));
+  write_packed(out, "kit.a", kit);
+  for (const [stem, starter] of Object.entries(starters)) write_packed(out, `open/${stem}.o`, starter);
+  fs.writeFileSync(path.join(out, "open.json"), JSON.stringify(open, null, 1));
+  write_packed(out, "headers.json", JSON.stringify(maker.headers.src));
   fs.writeFileSync(path.join(out, "suites.json"), JSON.stringify(suites, null, 1));
 }
 

@@ -13,8 +13,12 @@ function filesIn(name) {
   return fs.readdirSync(place).sort().flatMap((child) => filesIn(`${name}/${child}`));
 }
 
+const VERSION = "version.json", ITSELF = [VERSION, path.basename(template)];
+const all = fs.readdirSync(site).sort().flatMap(filesIn).filter((name) => !ITSELF.includes(name));
 const needed = wanted.flatMap(filesIn), hash = crypto.createHash("sha256");
-for (const name of needed) hash.update(name).update(fs.readFileSync(path.join(site, name)));
-const text = fs.readFileSync(template, "utf-8").replace("\"{version}\"", JSON.stringify(hash.digest("hex").slice(0, 16)))
-  .replace("\"{needed}\"", JSON.stringify(needed));
+for (const name of all) hash.update(name).update(fs.readFileSync(path.join(site, name)));
+const version = hash.digest("hex").slice(0, 16);
+fs.writeFileSync(path.join(site, VERSION), JSON.stringify({version}));
+const text = fs.readFileSync(template, "utf-8").replace("\"{version}\"", JSON.stringify(version))
+  .replace("\"{needed}\"", JSON.stringify([...needed, VERSION]));
 fs.writeFileSync(path.join(site, path.basename(template)), text);

@@ -7,7 +7,8 @@ import path from "node:path";
 import {parseArgs} from "node:util";
 import {Checker} from "./checker.mjs";
 import {Drawer, sized} from "./drawer.mjs";
-import {load_toolchain, read_drivers, read_kit, start_worker} from "./kit_files.mjs";
+import {load_toolchain, read_drivers, read_kit, read_open, read_units, start_worker} from "./kit_files.mjs";
+import {Others} from "./others.mjs";
 
 const LIMIT = 300; // seconds for a picture
 
@@ -15,6 +16,7 @@ const {values} = parseArgs({options: {site: {type: "string"}, units: {type: "str
   size: {type: "string"}, out: {type: "string"}, json: {type: "boolean"}}});
 const kit = read_drivers(values.site);
 const toolchain = await load_toolchain(values.site), checker = new Checker(toolchain, read_kit(values.site), null);
+const {open, starters} = read_open(values.site), others = new Others(checker, open, starters), texts = read_units(values.units, open);
 const drawer = new Drawer(toolchain, kit, () => start_worker("draw_worker.mjs"));
 const size_of = ({size, wanted}) => {
   if (!values.size) return wanted;
@@ -25,7 +27,7 @@ const size_of = ({size, wanted}) => {
 // Returns a row for each step: {stem, step, args, width, height, status, printed, said, fault, compile, link, draw}.
 async function draw_all(stem) {
   const {object, said, seconds: compile} = checker.compile(stem, fs.readFileSync(path.join(values.units, `${stem}.c`), "utf8"));
-  const {bytes, said: why, seconds: link} = object ? drawer.link(stem, object) : {};
+  const {bytes, said: why, seconds: link} = object ? others.driver(drawer, stem, object, texts) : {};
   if (!bytes) return [{stem, step: 0, status: 1, said: said + (why || ""), fault: "", compile, link, draw: 0}];
   const module = await WebAssembly.compile(bytes), rows = [];
   for (const look of kit.looks[stem]) {

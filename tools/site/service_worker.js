@@ -3,7 +3,9 @@
 const VERSION = "{version}", NEEDED = "{needed}";
 
 addEventListener("install", (event) => {
-  event.waitUntil(caches.open(VERSION).then((cache) => cache.addAll(NEEDED)).then(() => skipWaiting()));
+  // Servers let browsers keep a file for some minutes; "no-cache" asks whether it has changed meanwhile.
+  const asked = NEEDED.map((name) => new Request(name, {cache: "no-cache"}));
+  event.waitUntil(caches.open(VERSION).then((cache) => cache.addAll(asked)).then(() => skipWaiting()));
 });
 
 addEventListener("activate", (event) => {

@@ -10,8 +10,8 @@ const TARGET = ["-triple", "wasm32-unknown-wasip1", "-mrelocation-model", "stati
 const LANGUAGE = ["-std=c17", "-D_XOPEN_SOURCE=700", "-ffp-contract=off", "-fno-rounding-math",
   "-DCLOCK_THREAD_CPUTIME_ID=CLOCK_MONOTONIC"];
 const OPTIMIZE = ["-O2", "-vectorize-loops", "-vectorize-slp"];
-const WARNINGS = ["-Wall", "-Wextra", "-Wshadow", "-Wconversion", "-Wreturn-type", "-Wvla", "-Wstrict-prototypes",
-  "-Wmissing-prototypes",
+const WARNINGS = ["-Wall", "-Wextra", "-Wconversion", "-Wno-sign-conversion", "-Wreturn-type", "-Wtype-limits", "-Wvla",
+  "-Wstrict-prototypes", "-Wmissing-prototypes",
   ...["parameter", "function", "variable"].map((what) => `-Wno-unused-${what}`)]; // as of starters (unfinished in grading.am)
 const LINES = ["-debug-info-kind=line-tables-only", "-dwarf-version=4"];
 // As -fsanitize=address,undefined, for tools/site/memory.c and undefined.c.
@@ -24,6 +24,11 @@ const UNDEFINED = ["-fsanitize=alignment,array-bounds,bool,builtin,enum,integer-
 const STACK_BYTES = 8 << 20, KNOWN_BYTES = 256 << 20;
 const OF_UNITS = ["asan-opt-same-temp=0", "asan-stack=1", `asan-mapping-offset=${STACK_BYTES}`,
   "asan-use-after-return=never", "asan-instrument-dynamic-allocas=0"].flatMap((option) => ["-mllvm", `-${option}`]);
+// Variables that are given no value are filled with a pattern, so that they do not happen to have the right one.
+const FILL = ["-ftrivial-auto-var-init=pattern", "-include", "base/filled.h"];
+// An endless loop runs until the time limit tells it: C lets a compiler assume that most loops end, and clang would
+// leave out what comes after one that it knows not to.
+const LOOPS = ["-fno-finite-loops"];
 const OF_SUITES = ["-mllvm", "-asan-stack=0"];
 // What objects depend on besides their sources.
 export const OBJECT_FLAGS = [TARGET, LANGUAGE, OPTIMIZE, LINES, [...ADDRESSES, ...OF_SUITES, ...UNDEFINED]];
@@ -44,7 +49,7 @@ export class Toolchain {
   // much of them is loaded, from 0 to 1.
   static async load(bundle, tell = () => {}) {
     const {runLLVM} = await import(bundle);
-    await runLLVM(null, {}, {fetchProgress: ({doneLength, totalLength}) => tell(doneLength / totalLength)});
+    await runLLVM(null, {}, {fetchProgress: ({doneLength, totalLength}) => tell(Math.min(1, doneLength / totalLength))});
     return new Toolchain(runLLVM);
   }
 
@@ -70,21 +75,21 @@ export class Toolchain {
   // file; lines: so that places can be found. Returns the object (null if the file has errors) and what the compiler said.
   compile(files, path, {include = [], flags = [], checks = true, unit = false, lines = true, warnings = false} = {}) {
     const folders = include.flatMap((folder) => ["-I", folder]);
-    const checked = checks ? [...ADDRESSES, ...(unit ? OF_UNITS : OF_SUITES), ...UNDEFINED] : [];
+    const checked = checks ? [...ADDRESSES, ...(unit ? [...OF_UNITS, ...FILL, ...LOOPS] : OF_SUITES), ...UNDEFINED] : [];
     const {status, output, said} = this.run(["clang", "-cc1", ...TARGET, "-emit-obj", ...OPTIMIZE, ...LANGUAGE,
       ...(lines ? LINES : []), ...checked, ...(warnings ? WARNINGS : ["-w"]), ...folders, ...flags,
       "-main-file-name", path.replace(/.*\//, ""), "-o", "-", "-x", "c", path], files);
     return {object: status === 0 ? output : null, said};
   }
 
-  // Links objects, bytes by their names, and archives, from which only what is wanted is taken. Returns {bytes, said}:
-  // the module, null if it cannot be linked, and why not. wrap: further functions in whose place the objects have others,
-  // as for wasm-ld's --wrap.
-  link(objects, archives, {wrap = []} = {}) {
+  // Links objects, bytes by their names, and from archives, and before them from further objects, others, only what is
+  // wanted. Returns {bytes, said}: the module, null if it cannot be linked, and why not. wrap: further functions in whose
+  // place the objects have others, as for wasm-ld's --wrap.
+  link(objects, archives, {wrap = [], others = {}} = {}) {
     const wrapped = wrap.map((name) => `--wrap=${name}`);
     const {status, output, said} = this.run(["wasm-ld", ...LINK, ...wrapped, `${LIBRARIES}/crt1-command.o`,
-      ...Object.keys(objects), ...Object.keys(archives), "-L", LIBRARIES, "-lc", "/usr/lib/wasm32-unknown-wasip1/libclang_rt.builtins.a",
-      "-o", "-"], {...objects, ...archives});
+      ...Object.keys(objects), "--start-lib", ...Object.keys(others), "--end-lib", ...Object.keys(archives), "-L", LIBRARIES, "-lc", "/usr/lib/wasm32-unknown-wasip1/libclang_rt.builtins.a",
+      "-o", "-"], {...objects, ...others, ...archives});
     return {bytes: status === 0 ? output : null, said};
   }
 

@@ -1,5 +1,5 @@
 /* What clang's checks for undefined behaviour (-fsanitize=undefined, without recovery) call: each
- * tells which kind of it, and where. */
+ * tells which kind of it, and where. Those of pointers are in memory.c. */
 #include "page.h"
 
 #include <stdint.h>
@@ -62,22 +62,4 @@ _Noreturn void __ubsan_handle_missing_return(const place *at);
 void __ubsan_handle_missing_return(const place *at)
 {
     undefined("a function ends without the value that it should return", at);
-}
-
-typedef struct type_mismatch {
-    place at;
-    const void *type;
-    uint8_t log_alignment, kind;
-} type_mismatch;
-
-_Noreturn void __ubsan_handle_type_mismatch_v1_abort(const type_mismatch *found, uintptr_t pointer);
-void __ubsan_handle_type_mismatch_v1_abort(const type_mismatch *found, uintptr_t pointer)
-{
-    uintptr_t alignment = (uintptr_t)1 << found->log_alignment;
-    if (pointer == 0)
-        undefined("a pointer that is NULL is used", &found->at);
-    if (pointer % alignment != 0)
-        undefined("a pointer is used whose address its type cannot have (it is not aligned)",
-                  &found->at);
-    undefined("an object is used that has not room for its type", &found->at);
 }

@@ -1,202 +1,232 @@
 // A page in which a unit is written and checked: workbench.html?STEM. On every pause in typing the text is compiled and
 // its claims run (check_worker.mjs); what they say stands beside the step that they belong to. Nothing is sent anywhere.
-import {Editor} from "./editor.mjs";
-import {compare} from "./compared.mjs";
-import {forget, keep, kept} from "./kept.mjs";
+import {Editor, with_text} from "./editor.mjs";
+import {BLACK_AT, compare} from "./compared.mjs";
+import {asked, html, made, shown} from "./elements.mjs";
+import {download, open_files, save_all} from "./files.mjs";
+import {keep, kept} from "./kept.mjs";
+import {unpacked} from "./packed.mjs";
+import {Pixel} from "./pixel.mjs";
+import {UNWRITTEN, said_of_wanted, show_said, show_undrawn} from "./said.mjs";
+import {place_in_suite, show_task} from "./task.mjs";
+import {Verdicts} from "./verdicts.mjs";
+import {Work} from "./work.mjs";
 
 const PAUSE = 300; // milliseconds without a key after which a text is checked
 
 const stem = location.search.slice(1).match(/^[a-z_]+/)?.[0] || "normals";
-const shown = (id) => document.getElementById(id);
-const made = (tag, more = {}, ...children) => {
-  const element = Object.assign(document.createElement(tag), more);
-  element.append(...children);
-  return element;
-};
-// Texts of this site's own files, made by site_tasks.py.
-const html = (tag, text, more) => made(tag, {...more, innerHTML: text});
-// Names of claims are sentences in C's spelling.
-const sentence = (name) => name.replaceAll("_", " ");
 
 const worker = new Worker(new URL("check_worker.mjs", import.meta.url), {type: "module"});
-let id = 0, timer = null, typed = 0, is_loaded = false, starter = "", task = null;
+let id = 0, timer = null, typed = 0, is_loaded = false, starter = "", task = null, verdicts = null, course = [], findings = [], chosen = null;
 
 const editor = new Editor(shown("text"), "your code, in C", () => {
   clearTimeout(timer);
   typed = performance.now();
   timer = setTimeout(check, PAUSE);
+  shown("shared").replaceChildren();
 });
 
+// What another tab has changed is compiled when this one is seen.
+const work = new Work(stem, editor, ({is_later, text}) => {
+  if (is_later) {
+    shown("shared").replaceChildren("Another tab changed this text at the same time. ",
+      made("button", {textContent: "Take its text", onclick: () => editor.replace(text)}));
+    return;
+  }
+  shown("shared").textContent = "Another tab changed this text, and this one was updated.";
+  if (document.visibilityState === "visible") check();
+  else addEventListener("visibilitychange", check, {once: true});
+});
+
+const no_room = () => { shown("shared").textContent = "This browser keeps no more: save the file"; };
+
+// The texts of the other assignments that this browser keeps.
+function others() {
+  const texts = course.filter((other) => other.stem !== stem).map((other) => [other.stem, kept(other.stem)?.doc]);
+  return Object.fromEntries(texts.filter(([, text]) => text !== undefined));
+}
+
 function check() {
-  if (task && !keep(stem, editor.keep())) shown("state").textContent = "This browser keeps no more: save the file";
-  if (!is_loaded || !task) return;
-  shown("state").textContent = "Checking";
+  if (!task) return;
+  if (!work.save()) no_room();
+  shown("state").textContent = is_loaded ? "Checking" : "Loading the compiler";
   shown("drawn").textContent = "";
+  if (!shown("pictures").classList.contains("old")) shown("whose").textContent += ", before your last change";
   for (const name of ["first", "pictures", "steps"]) shown(name).classList.add("old");
-  worker.postMessage({id: ++id, text: editor.text()});
-}
-
-// --- The task ---
-
-function hint({title, text}) {
-  return made("details", {}, html("summary", `Hint: ${title}`), html("div", text));
-}
-
-function step_of({number, write, given, hints, claims, points, sections}) {
-  const reading = sections.map((section) => made("a", {href: `book/${task.chapter}${section}`, target: "_blank", rel: "noopener", textContent: section.slice(1).replaceAll("-", " ")}));
-  return made("li", {id: `step-${number}`},
-    made("h2", {}, `Step ${number} `, made("span", {className: "points", textContent: `${points} points`})),
-    html("div", write), made("details", {}, made("summary", {textContent: "Given"}), made("ul", {}, ...given.map((text) => html("li", text)))),
-    ...hints.map(hint), ...(task.has_book ? [made("p", {}, "Read: ", ...reading.flatMap((link, i) => i ? [", ", link] : [link]))] : []),
-    made("ul", {className: "claims"}, ...claims.map(claim_of)));
-}
-
-const claim_of = (name) => made("li", {id: name, textContent: sentence(name)});
-
-function show_task() {
-  document.title = `${task.title}: raykit`;
-  shown("title").textContent = task.title[0].toUpperCase() + task.title.slice(1);
-  shown("goal").replaceChildren(html("div", task.goal), made("p", {textContent: `Time: ${task.hours}`}));
-  const others = made("li", {}, made("h2", {textContent: "What holds from the beginning"}), made("ul", {className: "claims"}, ...task.kept.map(claim_of)));
-  shown("steps").replaceChildren(...task.steps.map(step_of), ...(task.kept.length ? [others] : []));
+  worker.postMessage({id: ++id, text: editor.text(), others: others()});
 }
 
 // --- Verdicts ---
 
-const claims = () => [...document.querySelectorAll(".claims li")];
-const step_of_claim = (name) => task.steps.find((step) => step.claims.includes(name));
+const line_of = (place) => Number(place.match(new RegExp(`^${stem}\\.c:(\\d+)$`))?.[1] || 0);
 
 // A button that leads to a line of the unit; for a place elsewhere its text.
 function place_of(place) {
-  const line = place.match(new RegExp(`^${stem}\\.c:(\\d+)$`))?.[1];
-  return line ? made("button", {className: "place", textContent: `line ${line}`, onclick: () => editor.show(Number(line))}) : place;
+  const line = line_of(place);
+  return line ? made("button", {className: "place", textContent: `line ${line}`, onclick: () => editor.show(line)}) : place_in_suite(task, place);
 }
 
-function show_verdict({claim, verdict, message, place}) {
-  const item = shown(claim), said = verdict === "passed" ? [] : [made("small", {}, message, ...(place ? [" (", place_of(place), ")"] : []))];
-  item.dataset.verdict = verdict;
-  item.classList.remove("old");
-  item.replaceChildren(sentence(claim), ...said);
-}
-
-// What is to be worked on, in the place that is seen first.
-function show_box(title, message, place) {
-  shown("first").hidden = false;
-  shown("first").classList.remove("old");
-  shown("first").replaceChildren(made("strong", {textContent: title}), made("pre", {textContent: message}),
-    ...(place ? [made("p", {}, "in ", place_of(place))] : []));
-}
-
-// The first claim of the assignment's order that does not hold is the one to work on. Returns its step's number, or the
-// last one's.
-function show_first(verdicts) {
-  const all = [...task.steps.flatMap((step) => step.claims), ...task.kept];
-  const first = all.map((name) => verdicts.get(name)).find((verdict) => verdict && verdict.verdict !== "passed");
-  shown("first").hidden = !first;
-  for (const item of shown("steps").children) item.classList.remove("current");
-  const last = task.steps[task.steps.length - 1].number;
-  if (!first) return last;
-  const step = step_of_claim(first.claim);
-  if (step) shown(`step-${step.number}`).classList.add("current");
-  show_box(`${step ? `Step ${step.number}: ` : ""}${sentence(first.claim)}`, first.message, first.place);
-  const line = first.place.match(new RegExp(`^${stem}\\.c:(\\d+)$`))?.[1];
-  if (line) editor.mark([{line: Number(line), message: first.message, severity: "error"}]);
-  return step ? step.number : last;
+// Returns the step to draw: that of the claim to work on, or the last one.
+function show_first() {
+  const first = verdicts.show_first(), line = first ? line_of(first.place) : 0;
+  if (line) editor.mark([...findings, {line, message: first.message, severity: "error"}]);
+  return first?.step || task.steps[task.steps.length - 1].number;
 }
 
 // --- The picture ---
 
+const pixel = new Pixel({pictures: shown("pictures"), own: shown("own"), wanted: shown("wanted"), said: shown("pixel"),
+  explained: shown("explained")}, (place) => {
+  if (!shown("pictures").classList.contains("old")) worker.postMessage({id, explain: place});
+});
+
+const ORDINALS = ["First", "Second", "Third", "Fourth", "Fifth", "Sixth", "Seventh", "Eighth", "Ninth"]; // as starters say
+
+const squeezed = (text) => text.replace(/\s+/g, " ");
+
+// Whether this step is left to write: its claims fail, and what the starter has in its place stands in the text as it was.
+function is_unwritten(step) {
+  const claims = task.steps.find(({number}) => number === step)?.claims || [], text = squeezed(editor.text());
+  const left = starter.match(new RegExp(`\\b${ORDINALS[step - 1]} step\\b[^]*?^\\}`, "gm")) || [];
+  return !claims.every((name) => verdicts.holds(name)) && left.length > 0 && left.every((part) => text.includes(squeezed(part)));
+}
+
+const STAND_IN = "the picture is traced through the renderer's own tree"; // says a driver
+
+// Why a picture is not the student's work, or "".
+function instead({step, args}, said) {
+  if (!args.includes("--debug") && said.includes(STAND_IN)) return "your tree finds no triangles yet, and the kit's is used in its place";
+  return is_unwritten(step) ? UNWRITTEN : "";
+}
+
+function said_of_picture({step}, share) {
+  return share ? `${share} % of the pixels differ` : said_of_wanted(verdicts.is_broken(step));
+}
+
+function without_picture(step, words, place) {
+  const reason = is_unwritten(step) ? "is not written yet, and draws nothing" : `draws nothing${place ? "" : ", and the driver says why"}`;
+  show_undrawn(`Step ${step} ${reason}`, words, {open: !is_unwritten(step), more: place ? [" (", place_of(place), ")"] : []});
+}
+
+// The driver's words of the units of a course that the picture lacks.
+const starters_named = (said) => said.match(/^\w+(: .* still the starters?);/m)?.[1] || "";
+
 async function show_drawn({look, pixels, width, height, said, fault, place, seconds}) {
-  shown("pictures").hidden = !pixels;
+  const of = id, canvases = Object.fromEntries(["own", "wanted", "difference"].map((name) => [name, shown(name)]));
+  const differ = pixels ? await compare(canvases, {pixels, width, height}, look.picture) : 0, share = (100 * differ / (width * height)).toFixed(1);
+  if (of !== id) return; // a newer text is checked
+  shown("pictures").hidden = shown("pixel").hidden = shown("explained").hidden = !pixels;
   shown("pictures").classList.remove("old");
   shown("caption").textContent = `wanted: ${look.caption}`;
-  if (!pixels) {
-    shown("drawn").replaceChildren(`Step ${look.step} draws nothing: ${fault || said.trim()}`, ...(place ? [" (", place_of(place), ")"] : []));
-    return;
-  }
-  const canvases = Object.fromEntries(["own", "wanted", "difference"].map((name) => [name, shown(name)]));
-  const differ = await compare(canvases, {pixels, width, height}, look.picture), share = (100 * differ / (width * height)).toFixed(1);
-  shown("drawn").textContent = `Step ${look.step}: ${differ ? `${share} % of the pixels differ` : "the wanted picture"}; drawn in ${seconds.toFixed(2)} s`;
+  if (!pixels) return without_picture(look.step, fault || said.trim(), place);
+  const other = instead(look, said);
+  shown("whose").textContent = other ? "not by your code yet" : "by your code";
+  shown("legend").textContent = other ? "" : differ ? `where they differ: white is equal, black differs by ${BLACK_AT} of 255 or more` : "equal";
+  shown("drawn").textContent = `Step ${look.step}: ${other || said_of_picture(look, differ && share)}; drawn in ${seconds.toFixed(2)} s${starters_named(said)}`;
+  for (const one of shown("looks").children) one.ariaPressed = one.value ? String(Number(one.value) === look.step) : null;
+  pixel.drawn(look.step);
 }
 
-const FINDING = /^([\w.]+\.c):(\d+):\d+: (?:fatal )?(error|warning): (.*)$/gm;
-
-// The linker names a function that is missing once for each call.
-function without_repetitions(said) {
-  const missing = [...new Set([...said.matchAll(/undefined symbol: (\w+)/g)].map(([, name]) => name))];
-  return missing.length ? `Your file does not define ${missing.join(", ")}.` : said;
+// What to do when all claims hold.
+function next() {
+  const other = course[course.findIndex((one) => one.stem === stem) + 1];
+  const [href, textContent] = other ? [`workbench.html?${other.stem}`, `${other.number} ${other.title}`] : ["index.html", "all assignments"];
+  return [`. ${other ? "Next" : "This was the last one"}: `, made("a", {href, textContent})];
 }
 
-function show_said(words, built) {
-  const said = without_repetitions(words);
-  shown("said").textContent = said;
-  shown("said").hidden = !said;
-  editor.mark([...said.matchAll(FINDING)].filter(([, file]) => file === `${stem}.c`)
-    .map(([, , line, severity, message]) => ({line: Number(line), severity, message})));
-  for (const item of claims()) item.classList.add("old");
-  shown("steps").classList.remove("old");
-  if (built) return;
-  const [, , line, , message] = [...said.matchAll(FINDING)].find(([, , , severity]) => severity === "error") || [];
-  shown("state").textContent = "The compiler finds an error";
-  show_box("The compiler finds an error", message || said.trim(), line ? `${stem}.c:${line}` : "");
-}
-
-let verdicts = new Map();
-
-function show_end(seconds) {
-  const passed = [...verdicts.values()].filter(({verdict}) => verdict === "passed").length;
-  const after = ((performance.now() - typed) / 1000).toFixed(2);
-  for (const step of task.steps) {
-    const is_solved = step.claims.every((name) => verdicts.get(name)?.verdict === "passed");
-    shown(`step-${step.number}`).classList.toggle("solved", is_solved);
-  }
-  const next = passed === claims().length ? ". Save the file, and choose the next assignment above." : "";
-  shown("state").textContent = `${passed} of ${claims().length} claims hold${next}`;
-  shown("seconds").textContent = `${after} s after the last key: ` +
+function show_end({starters, ...seconds}) {
+  const {passed, names: {length: all}} = verdicts, after = ((performance.now() - typed) / 1000).toFixed(2);
+  verdicts.show_solved();
+  verdicts.show_unwritten(task.steps.map(({number}) => number).filter(is_unwritten));
+  if (!work.save({passed, claims: all})) no_room();
+  const needed = starters.length ? [`. It needs ${starters.join(" and ")}, still the starter: solve that first`] : [];
+  shown("state").replaceChildren(`${passed} of ${all} claims hold`, ...(passed === all ? next() : needed));
+  shown("seconds").textContent = (typed ? `${after} s after the last key: ` : "") +
     Object.entries(seconds).filter(([, value]) => value !== undefined).map(([part, value]) => `${part} ${value.toFixed(2)} s`).join(", ");
-  worker.postMessage({id, draw: show_first(verdicts)});
+  const step = show_first();
+  worker.postMessage({id, draw: chosen || step});
+}
+
+// Buttons for each step's picture, and for the one to work on.
+function show_looks(looks) {
+  const button = (textContent, step, title = "") => made("button", {textContent, title, value: step || "", onclick() {
+    chosen = step;
+    if (!verdicts?.size) return; // it follows the verdict
+    shown("pictures").classList.add("old");
+    worker.postMessage({id, draw: step || show_first()});
+  }});
+  shown("looks").replaceChildren("Picture of ", ...looks.map(({step, caption}) => button(`step ${step}`, step, caption)),
+    button("the first that is not done", null));
 }
 
 worker.onmessage = ({data}) => {
   if (data.id !== undefined && data.id !== id) return;
   if (data.failed) shown("state").textContent = `It does not go on: ${data.failed}`;
-  if (data.loaded !== undefined) shown("loaded").value = data.loaded;
-  if (data.claims) {
-    shown("loaded").hidden = is_loaded = true;
-    check();
+  if (data.looks) show_looks(data.looks);
+  if (data.loaded !== undefined) {
+    shown("loaded").value = data.loaded;
+    shown("loaded").hidden = is_loaded = data.loaded === 1;
   }
   if (data.said !== undefined) {
-    verdicts = new Map();
-    show_said(data.said, data.built);
+    verdicts = new Verdicts(task, place_of);
+    findings = show_said(data.said, data.built, place_of).filter(({file}) => file === `${stem}.c`)
+      .map(({severity, ...finding}) => ({...finding, severity: severity === "note" ? "info" : severity}));
+    editor.mark(findings);
+    if (!data.built) shown("state").textContent = "The compiler found an error";
   }
   if (data.verdict) {
-    verdicts.set(data.verdict.claim, data.verdict);
-    show_verdict(data.verdict);
-    shown("state").textContent = `Checking: ${verdicts.size} of ${claims().length}`;
-    if (data.verdict.verdict !== "passed") show_first(verdicts);
+    verdicts.put(data.verdict);
+    shown("state").textContent = `Checking: ${verdicts.size} of ${verdicts.names.length}`;
+    if (data.verdict.verdict !== "passed") show_first();
   }
   if (data.ends && data.ends.run !== undefined) show_end(data.ends);
   if (data.drawn) show_drawn(data.drawn);
+  if (data.explained) pixel.show(data.explained);
 };
 worker.onerror = () => { shown("state").textContent = "It does not go on: this browser has no workers that are modules"; };
 
 // --- Files ---
 
-shown("save").onclick = () => {
-  const link = made("a", {href: URL.createObjectURL(new Blob([editor.text()], {type: "text/x-c"})), download: `${stem}.c`});
-  link.click();
-  URL.revokeObjectURL(link.href);
-};
+const text_of = (other) => other === stem ? editor.text() : kept(other)?.doc;
+const task_of = async (name) => (await unpacked(await fetched(`tasks/${name}.json.gz`))).json();
+const workbook = () => task_of("workbook");
+const tell = (error) => { shown("state").textContent = `It does not go on: ${error.message}`; };
+
+const save = () => download(`${stem}.c`, editor.text(), "text/x-c");
+
+async function open(files) {
+  const starters = (await workbook()).files, starter_of = (other) => starters[`${other}.c`];
+  await open_files(files, {stem, stems: course.map((other) => other.stem), starter_of,
+    title_of: (wanted) => course.filter((other) => other.stem === wanted).map(({number, title}) => `${number} ${title}`)[0],
+    text_of: (other) => text_of(other) ?? starter_of(other),
+    put(other, text) {
+      if (other === stem) {
+        editor.replace(text);
+        editor.focus();
+      } else if (!keep(other, with_text(kept(other), starter_of(other), text))) no_room();
+    }});
+}
+
+shown("save").onclick = save;
+shown("save-all").onclick = () => workbook().then((all) => save_all(all, course.map((other) => other.stem), text_of)).catch(tell);
 shown("open").onclick = () => shown("file").click();
-shown("file").onchange = async () => {
-  const [file] = shown("file").files;
-  if (file) editor.replace(await file.text());
+shown("file").onchange = () => {
+  const files = [...shown("file").files];
   shown("file").value = "";
+  open(files).catch(tell);
 };
-shown("again").onclick = () => {
-  if (!confirm("Put the starter in place of your text? Undo (Ctrl+Z) brings it back.")) return;
+addEventListener("keydown", (event) => {
+  if (!(event.ctrlKey || event.metaKey) || event.altKey || event.shiftKey || event.key !== "s") return;
+  event.preventDefault();
+  save();
+});
+shown("again").onclick = async () => {
+  const answer = await asked("Start over?", [made("p", {textContent: "The starter takes the place of your text. Undo (Ctrl+Z) brings it back."})],
+    {again: "Start over", "": "Cancel"});
+  if (answer !== "again") return;
   editor.replace(starter);
   editor.foldGiven();
+  editor.focus();
 };
 
 // --- The beginning ---
@@ -207,23 +237,22 @@ async function fetched(name) {
   return answer;
 }
 
+async function header_in(name) {
+  return name.split("/").reduce((tree, part) => tree[part], await (await unpacked(await fetched("headers.json.gz"))).json());
+}
+
 async function begin() {
-  const [course, text, own] = await Promise.all([fetched("tasks/course.json").then((answer) => answer.json()),
-    fetched(`starters/${stem}.c`).then((answer) => answer.text()), fetched(`tasks/${stem}.json`).then((answer) => answer.json())]);
+  const [all, text, own] = await Promise.all([task_of("course"), fetched(`starters/${stem}.c`).then((answer) => answer.text()), task_of(stem)]);
+  course = all;
   starter = text;
   task = own;
+  shown("save").textContent = `Save ${stem}.c`;
   shown("assignment").replaceChildren(...course.map(({stem: other, number, title}) =>
     made("option", {value: other, selected: other === stem, textContent: `${number} ${title}`})));
   shown("assignment").onchange = ({target}) => { location.search = target.value; };
-  show_task();
-  const before = kept(stem);
-  try {
-    editor.open(starter, before);
-  } catch { // kept by an older page
-    forget(stem);
-    editor.open(starter);
-  }
-  if (!before) {
+  show_task(task, {element: html, header_text: header_in});
+  document.getElementById(decodeURIComponent(location.hash.slice(1)))?.scrollIntoView(); // from a chapter: #step-2
+  if (!work.open(starter)) {
     editor.foldGiven();
     editor.showFirstStep();
   }
@@ -231,5 +260,5 @@ async function begin() {
 }
 
 if ("serviceWorker" in navigator) navigator.serviceWorker.register("service_worker.js");
-begin().catch((error) => { shown("state").textContent = `It does not go on: ${error.message}`; });
+begin().catch(tell);
 worker.postMessage({site: new URL("./", location.href).href, stem});
