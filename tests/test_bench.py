@@ -781,29 +781,29 @@ def the_report_measures_carefully_if_asked(folder):
           "the report measures in full where MEASURED=1 asks for it, else quickly", asked)
 
 
-# --- README's tables of speed --------------------------------------------------------------------
+# --- The page of speed ---------------------------------------------------------------------------
 
-README_SPEED = os.path.join(SOURCE, "tools", "readme_speed.py")
+SPEED_PAGE = os.path.join(SOURCE, "tools", "speed_page.py")
 BEFORE, AFTER = "# a kit\n<!-- speed: made -->\n", "<!-- speed end -->\nthe end\n"
 
 
-def readme_tables_are_made_anew(folder):
+def the_page_of_speed_is_made_anew(folder):
     timings_folder = os.path.join(folder, "bench", "tables")
     peers = os.path.join(folder, "reports", "out", "tables")
 
     def make():
-        return run(folder, sys.executable, "-B", README_SPEED, "--build", ".", "README.md")
+        return run(folder, sys.executable, "-B", SPEED_PAGE, "--build", ".", "speed.md")
 
-    write(BEFORE + "an old table\n" + AFTER, folder, "README.md")
+    write(BEFORE + "an old table\n" + AFTER, folder, "speed.md")
     status, said = make()
     check(status == 1 and said.count("\n") == 1 and "run make bench first" in said,
-          "README's tables: without measurements there is only a line that names the command", said)
+          "the page of speed: without measurements there is only the command", said)
     write("item,value\nprocessor,an abacus\ninstruction set,beads\n", timings_folder, "timings_machine.csv")
     write("title,threads,median_ms,goal_ms,classic_ms\na cat,1,1234.5,,\na cat,2,617.12,700,9000\n",
           timings_folder, "frames.csv")
     status, said = make()
     check(status == 1 and said.count("\n") == 1 and "run make bench-peers first" in said,
-          "README's tables: without Embree's measurements there is only a line that names the command", said)
+          "the page of speed: without Embree's measurements there is only the command", said)
     write("scene,triangles,workload,threads,speed_ratio,goal,robust_speed_ratio\n"
           "cat:7,7000,primary,1,0.876,1.4,1.25\ncat:7,7000,primary,2,3,1.4,4\n"
           "cat:7,7000,build,1,2,1.2,3\n", peers, "peers_best.csv")
@@ -812,14 +812,14 @@ def readme_tables_are_made_anew(folder):
               "| cat, 7,000 triangles | 0.88 (1.25) |  |  |  | 2.00 (3.00) |",
               "| goal | 1.4 |  |  |  | 1.2 |", "an abacus"]
     check(status == 0 and all(part in said for part in wanted) and "an old table" not in said,
-          "README's tables: a line for each picture and each scene, of one thread, in place of the old ones",
+          "the page of speed: a line for each picture and scene, of one thread, in place of the old ones",
           said)
     check(said.startswith(BEFORE) and said.endswith(AFTER),
-          "README's tables: the text around them stays", said)
-    write("no place for tables\n", folder, "README.md")
+          "the page of speed: the text around them stays", said)
+    write("no place for tables\n", folder, "speed.md")
     status, said = make()
     check(status != 0 and said.count("\n") == 1 and "has no lines" in said,
-          "README's tables: a text without a place for them is an error", said)
+          "the page of speed: a text without a place for them is an error", said)
 
 
 def read_bytes(*path):
@@ -853,7 +853,7 @@ def main():
         drivers_take_the_options(tempfile.mkdtemp(dir=folder))
         startup_is_timed_for_each_scene(tempfile.mkdtemp(dir=folder))
         the_report_measures_carefully_if_asked(tempfile.mkdtemp(dir=folder))
-        readme_tables_are_made_anew(tempfile.mkdtemp(dir=folder))
+        the_page_of_speed_is_made_anew(tempfile.mkdtemp(dir=folder))
         the_program_measures(tempfile.mkdtemp(dir=folder))
     finally:
         shutil.rmtree(folder, ignore_errors=True)

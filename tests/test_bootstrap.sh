@@ -65,6 +65,15 @@ bootstrap install 1000 'E: Could not open lock file /var/lib/dpkg/lock-frontend 
 [ "$slept" = 0 ] && says 'could not install' && says 'Permission denied'
 verdict other_failures_are_told_at_once
 
+stub apt-cache <<'END'
+[ "$2" != firefox-esr ]
+END
+: >"$folder/asked"
+FAILING=nothing "$folder/kit/bootstrap" --pdf --only-install >"$folder/said" 2>&1
+says 'no package firefox-esr here; install Firefox yourself' && grep -q 'install.* chromium' "$folder/asked" &&
+    ! grep -q firefox-esr "$folder/asked"
+verdict a_browser_that_is_no_package_here_is_named_and_the_other_is_installed
+
 # --- what configure is run again for: with a kit of a few lines ---
 
 mkdir "$folder/kit/tools"

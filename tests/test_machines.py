@@ -119,10 +119,11 @@ def what_is_too_old_or_another_program(work):
 def what_a_student_needs_not(work):
     programs = os.path.join(work, "student-programs")
     stub(programs, "bwrap", STRICT_SYSTEM)
-    absent = {f"ac_cv_path_{name}": "" for name in ("PARALLEL", "PANDOC", "GNUPLOT", "CHROMIUM", "BLENDER")}
+    absent = {f"ac_cv_path_{name}": ""
+              for name in ("PARALLEL", "PANDOC", "GNUPLOT", "CHROMIUM", "FIREFOX", "BLENDER")}
     status, rows, said = configured(work, "student", {**absent, "PATH": f"{programs}:{os.environ['PATH']}"},
                                     "--enable-student")
-    for name in ("GNU parallel", "pandoc", "gnuplot", "chromium", "Blender"):
+    for name in ("GNU parallel", "pandoc", "gnuplot", "Chromium", "Firefox", "Blender"):
         check(row(rows, name) == "not installed (a student needs none)",
               f"{name}: no student is told to miss it", row(rows, name))
     check(status == 0 and row(rows, "sandbox").startswith("MISSING: "),

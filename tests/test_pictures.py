@@ -15,6 +15,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(SOURCE, "tools"))
 
 import draw  # noqa: E402
+import readme_strip  # noqa: E402
 import wrong  # noqa: E402
 from drivers import driver_of, link_drivers  # noqa: E402
 from grading.assignments import ToolError, read_features, read_looks  # noqa: E402
@@ -336,6 +337,26 @@ def mistakes_that_cannot_be_seen_are_refused(folder):
             check(part in str(error) and "wrong.tsv" in str(error), name, error)
 
 
+# --- README -----------------------------------------------------------------------------------------
+
+
+def readme_shows_what_is_drawn(folder):
+    pictures, feature = os.path.join(SOURCE, "docs", "pictures"), FEATURES[readme_strip.STEM]
+    os.mkdir(folder)
+    made = readme_strip.make_strip(BUILD, folder)
+    check(made["red_claim.svg"].decode() == read(pictures, "red_claim.svg"),
+          "README shows the message of a claim that fails: make readme-strip makes it", made["red_claim.svg"])
+    options = shlex.split(readme_strip.options_of(SOURCE, feature)) + readme_strip.SIZE
+    driver = os.path.join("assignments", feature.folder, feature.stem)
+    _, right = _draw(driver, os.path.join(folder, "out"), *options)
+    wrong_picture = os.path.join(folder, "wrong_picture.png")
+    with open(wrong_picture, "wb") as file:
+        file.write(made["wrong_picture.png"])
+    for path, name in ((wrong_picture, "wrong_picture"), (right, feature.stem)):
+        check(filtered_rows(path) == filtered_rows(os.path.join(pictures, name + ".png")),
+              f"README's {name} is what its driver draws: make readme-strip, docs/commands.md")
+
+
 def main():
     with tempfile.TemporaryDirectory() as folder:
         starters_draw(folder)
@@ -350,6 +371,7 @@ def main():
         a_wrong_table_is_refused(folder)
         mistakes_are_drawn(os.path.join(folder, "drawn"))
         mistakes_that_cannot_be_seen_are_refused(os.path.join(folder, "unseen"))
+        readme_shows_what_is_drawn(os.path.join(folder, "strip"))
     return finish()
 
 
