@@ -105,6 +105,11 @@ async function built_before(browser, address) {
   await open(); // before the text is compiled
   const other = await seen();
   check(/compile/.test(other.seconds) && /^(\d+) of \1 claims hold/.test(other.told), "another text is built first", JSON.stringify(other, null, 1));
+  await browser.value(`caches.keys().then((names) => Promise.all(names.map(async (name) =>
+    (await caches.open(name)).put("built/normals", new Response("damaged")))))`);
+  await open();
+  const rebuilt = await seen();
+  check(/compile/.test(rebuilt.seconds) && rebuilt.told === other.told, "a text whose kept modules are damaged is built anew", JSON.stringify(rebuilt, null, 1));
 }
 
 const closed = (server) => new Promise((resolve) => {

@@ -479,7 +479,7 @@ def distances_in(toolchain, folder, text):
     with open(path, "w", encoding="utf-8") as file:
         file.write(text)
     thief = Unit(FEATURE, path, "bvh_median.c", False)
-    linked, _ = build.compile_unit(toolchain, thief, place, [*toolchain.sanitize, "-g1", "-O1"])
+    linked, _ = build.compile_unit(toolchain, thief, place, toolchain.of_units)
     build.keep_interface(toolchain, FEATURE, linked)
     program = build.link_suite(toolchain, [thief], [linked], place, toolchain.sanitize)
     said = subprocess.run([toolchain.tools["nm"], program], capture_output=True, text=True, check=True).stdout

@@ -185,8 +185,7 @@ def _object_of(toolchain, unit, folder):
     """Returns a unit's object, as the suite links it, the compiler's warnings, and what is in it."""
     if unit.is_reference:
         return toolchain.built(f"src/features/{unit.feature.stem}.o"), "", None
-    flags = [*toolchain.sanitize, *toolchain.fill, "-g1", "-O1"]
-    path, warnings = build.compile_unit(toolchain, unit, folder, flags)
+    path, warnings = build.compile_unit(toolchain, unit, folder, toolchain.of_units)
     found = build.check_object(toolchain, unit, path)
     build.check_definitions(toolchain, unit, found)
     build.keep_interface(toolchain, unit.feature, path, for_suite=True)

@@ -68,6 +68,7 @@ class Toolchain:
         self.base_sanitize = shlex.split(values["base_sanitize"])
         self.sanitize = shlex.split(values["sanitize"])
         self.fill = shlex.split(values["fill"])  # variables that are given no value
+        self.of_units = [*self.sanitize, *self.fill, "-g1", "-O1"]  # as suites link them
         self.grade_link = shlex.split(values["grade_link"])
         self.link_flags = shlex.split(values["link_flags"])
         self.drivers = values["drivers"].split()  # the objects of all, from the build folder

@@ -22,14 +22,17 @@ export class Builds {
     this.#place = new URL(`built/${stem}`, site).href;
   }
 
-  // Returns what was kept of these texts, {text, others}: what keep() got; or null.
+  // Returns what was kept of these texts, {text, others}: what keep() got; or null, also for a record that is damaged.
   async kept(texts) {
-    const cache = await this.#cache, answer = await cache?.match(this.#place);
-    if (!answer) return null;
-    const form = await answer.formData(), {of, ...build} = JSON.parse(form.get(SAID));
-    if (of !== JSON.stringify(texts)) return null;
-    for (const name of MODULES) build[name] = form.has(name) ? new Uint8Array(await form.get(name).arrayBuffer()) : null;
-    return build;
+    try {
+      const cache = await this.#cache, answer = await cache.match(this.#place), form = await answer.formData();
+      const {of, ...build} = JSON.parse(form.get(SAID));
+      if (of !== JSON.stringify(texts)) return null;
+      for (const name of MODULES) build[name] = form.has(name) ? new Uint8Array(await form.get(name).arrayBuffer()) : null;
+      return build;
+    } catch {
+      return null; // no cache, no record, or no readable one: the text is built anew
+    }
   }
 
   // build: suite and driver, modules as bytes, or null, and what JSON can hold.

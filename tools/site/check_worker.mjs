@@ -1,10 +1,11 @@
 // The worker of a page that checks units: it gets {site, stem} first, the addresses of what `make site` has made and the
 // suite's name, then {id, text, others} for each save, others: the texts of the course's other units. It sends {looks},
-// the steps with a picture, {loaded}, from 0 to 1, and of each text {id, said, built}, the compiler's words, then a {id, verdict} for each claim, and {id,
-// ends} with the seconds that each part took; when asked to {draw: step} it, {id, drawn} with the picture of the first
-// step from there on that has one, and to {explain: pixel}, {id, explained: {pixel, texts}}: how the unit comes to that
-// pixel of the picture, and how the kit's does if the site has it. A newer text ends the claims and the picture of the
-// last one. A text that was built at the last visit is checked and drawn before clang is loaded.
+// the steps with a picture, {loaded}, from 0 to 1, and of each text {id, said, built}, the compiler's words, then a
+// {id, verdict} for each claim, and {id, ends} with the seconds that each part took; when asked to {draw: step} it,
+// {id, drawn} with the picture of the first step from there on that has one, and to {explain: pixel},
+// {id, explained: {pixel, texts}}: how the unit comes to that pixel of the picture, and how the kit's does if the site
+// has it. A newer text ends the claims and the picture of the last one. A text that was built at the last visit is
+// checked and drawn before clang is loaded.
 import {Builds} from "./builds.mjs";
 import {Checker} from "./checker.mjs";
 import {Drawer, sized} from "./drawer.mjs";
@@ -39,13 +40,18 @@ async function begin({site, stem}) {
 
 function json_once(name) {
   let value = null;
-  return async () => value ??= (await json(name))[kit.stem];
+  return () => value ??= json(name).then((all) => all[kit.stem]).catch((error) => {
+    value = null; // the next text asks again
+    throw error;
+  });
 }
 
 // Loads clang and what it links units with, once. Resolves to the units of the course.
 function loaded() {
-  tools ??= load();
-  return tools;
+  return tools ??= load().catch((error) => {
+    tools = null;
+    throw error;
+  });
 }
 
 async function load() {
