@@ -547,7 +547,7 @@ END
         lines 50
         printf '## Second {#second}\n\n`rk_quarter`{.code} is short.\n\n## Third {#third}\n\n### Within {#within}\n\n[$$x^2$$]{#sums}\n\n'
         lines 50
-        printf '## Last {#last}\n\nA short one about refraction.\n\n| what | how |\n|---|---|\n| a pyramid | of pixels |\n'
+        printf '## Last {#last}\n\nA short one about refraction.\n\n| what | how |\n|---|---|\n| a pyramid | of pixels |\n| teapot, ms | 123.4 567.8 |\n'
     } >"$long"
     weaves() { # weaves [NAME=VALUE...]: the book
         env RAYKIT_SOURCE="$folder/texts" RAYKIT_BUILD="$folder/build" RAYKIT_DRIVERS="$folder" RAYKIT_VERSION=0 PANDOC="$pandoc" \
@@ -589,8 +589,8 @@ END
         verdict a_paragraph_is_found_by_a_wrong_letter_and_has_a_name
 
         [ "$(looks_up 'pyram pixels')" = 'second.html#last-p2 a pyramid; of pixels' ] && [ "$(looks_up rk_quarter)" = 'two.html#code-rk_quarter ' ] &&
-            [ "$(looks_up 'unit disk')" = 'glossary.html#term-unit-disk ' ]
-        verdict rows_functions_and_terms_are_found
+            [ "$(looks_up 'unit disk')" = 'glossary.html#term-unit-disk ' ] && [ -z "$(looks_up teapot)" ]
+        verdict rows_of_words_functions_and_terms_are_found
 
         tr '\n' ' ' <"$pages/house.html" | grep -q '</p> *<figure class="picture sketch"[^>]*> *<svg .*</svg> *<figcaption class="caption">.*<span id="[^"]*" class="at"></span>.*Its rooms.*</figcaption> *</figure>'
         verdict figures_are_whole_where_their_captions_have_names

@@ -34,7 +34,12 @@ local function namer(section)
   end
 end
 
-local function has_words(text) return text:find("%a%a") end
+-- A row of measured numbers has a name and units, and is no answer to a question.
+local function has_words(text)
+  local _, letters = text:gsub("%a", "")
+  local _, digits = text:gsub("%d", "")
+  return text:find("%a%a") and letters > digits
+end
 
 local function named(name)
   local function block(element)
