@@ -79,7 +79,7 @@ async function search_finds_the_text(browser, number) {
   const window = {};
   vm.runInNewContext(fs.readFileSync(`${path.dirname(SEARCHED)}/search.js`, "utf8"), {window});
   const long = window.raykitFind("the").filter(({text}) => text.length > 300);
-  const {at, name, text} = long.find((one) => window.raykitSections[one.at][0] !== path.basename(SEARCHED)) || long[0]; // the report is one page
+  const {at, name, text} = long.find((one) => window.raykitSections[one.at][0] !== path.basename(SEARCHED)) || long[0]; // all may be on one page
   const [page] = window.raykitSections[at], place = `${page === path.basename(SEARCHED) ? "" : page}#${name}`, phrase = text.match(/[\p{L}]{4,}/gu).slice(3, 8).join(" ");
   await open_search(browser, SEARCHED);
   const {said, links, excerpts} = await look_up(browser, phrase), found = links.indexOf(place);

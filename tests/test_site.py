@@ -243,7 +243,7 @@ def book_and_report_lead_to_each_other(folder):
     site = os.path.join(folder, "site")
     up = "../../../"
     pages = {"book/a.html": f'<a href="{up}reports/out/report.html#speed" class="x">its <em>speed</em></a>',
-             "report/report/index.html": '<h2 id="speed">Speed</h2>'
+             "report/report/speed.html": '<h2 id="speed">Speed</h2>'
              f'<a href="{up}docs/out/book.html#b-part">b</a>, <a href="../source/c.html">c</a>, '
              f'<a href="{up}src/base/vec3.h">vec3</a>, <a href="{up}docs/out/book.html#gone">gone</a>',
              "book/b.html": '<h2 id="b-part">B</h2>', "report/source/c.html": ""}
@@ -252,13 +252,13 @@ def book_and_report_lead_to_each_other(folder):
         pathlib.Path(site, name).write_text(text, encoding="utf-8")
     before = dead_links(site)
     for room in ("book", "report/report"):
-        site_tasks.lead_into_site(site, room, {"b-part": "b.html"}, True)
+        site_tasks.lead_into_site(site, room, {"book": {"b-part": "b.html"}, "report/report": {"speed": "speed.html"}})
     for name in pages:
         pages[name] = pathlib.Path(site, name).read_text(encoding="utf-8")
-    told = ['<a href="../report/report/index.html#speed" class="x">its <em>speed</em></a>',
+    told = ['<a href="../report/report/speed.html#speed" class="x">its <em>speed</em></a>',
             '<a href="../../book/b.html#b-part">b</a>, <a href="../source/c.html">c</a>, vec3, gone']
     check(len(before) == 4 and not dead_links(site) and pages["book/a.html"] == told[0]
-          and told[1] in pages["report/report/index.html"],
+          and told[1] in pages["report/report/speed.html"],
           "in a site the book leads to the report and the report to the book, and neither beyond",
           [before, pages])
 

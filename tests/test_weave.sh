@@ -547,6 +547,10 @@ END
         lines 50
         printf '## Second {#second}\n\n`rk_quarter`{.code} is short.\n\n## Third {#third}\n\n### Within {#within}\n\n[$$x^2$$]{#sums}\n\n'
         lines 50
+        for _ in 1 2; do
+            printf '## Sizes\n\n'
+            lines 50
+        done
         printf '## Last {#last}\n\nA short one about refraction.\n\n| what | how |\n|---|---|\n| a pyramid | of pixels |\n| teapot, ms | 123.4 567.8 |\n'
     } >"$long"
     weaves() { # weaves [NAME=VALUE...]: the book
@@ -558,9 +562,9 @@ END
     verdict a_page_ends_where_it_fills_a_screen_and_a_short_rest_joins_it
 
     grep -q '<h1 class="of-chapter"><a href="long.html#long">.*Long</a></h1>' "$pages/second.html" && grep -q '<title>2.2 Second – 2 Long – ' "$pages/second.html" &&
-        grep -q 'rel="prev" href="long.html"' "$pages/second.html" && grep -q 'rel="next" href="house.html"' "$pages/second.html" &&
-        grep -q '<li><a href="long.html#first">' "$pages/second.html" && grep -q '<li><a href="#third">' "$pages/second.html"
-    verdict a_section_s_page_has_its_chapter_s_title_and_contents_and_leads_on
+        grep -q 'rel="prev" href="long.html"' "$pages/second.html" && grep -q 'rel="next" href="sizes.html"' "$pages/second.html" &&
+        grep -q 'rel="next" href="house.html"' "$pages/long-sizes.html" && grep -q '<li><a href="long.html#first">' "$pages/second.html" && grep -q '<li><a href="#third">' "$pages/second.html"
+    verdict a_section_s_page_has_a_name_of_its_own_its_chapter_s_title_and_contents_and_leads_on
 
     grep -q 'href="second.html#sums"' "$pages/long.html" && grep -q 'href="two.html#code-rk_quarter"' "$pages/second.html" &&
         grep -q '^"within":"second.html"' "$pages/places.js"
@@ -584,11 +588,11 @@ END
                 if (hit) console.log(`${window.raykitSections[hit.at][0]}#${hit.name} ${hit.text}`);' \
                 "$pages/search.js" "$1" 2>&1
         }
-        [ "$(looks_up 'refracion short')" = 'second.html#last-p1 A short one about refraction.' ] && grep -q 'id="last-p1"' "$pages/second.html" &&
+        [ "$(looks_up 'refracion short')" = 'long-sizes.html#last-p1 A short one about refraction.' ] && grep -q 'id="last-p1"' "$pages/long-sizes.html" &&
             grep -q 'id="last-p1"' "$folder/build/docs/out/book.html"
         verdict a_paragraph_is_found_by_a_wrong_letter_and_has_a_name
 
-        [ "$(looks_up 'pyram pixels')" = 'second.html#last-p2 a pyramid; of pixels' ] && [ "$(looks_up rk_quarter)" = 'two.html#code-rk_quarter ' ] &&
+        [ "$(looks_up 'pyram pixels')" = 'long-sizes.html#last-p2 a pyramid; of pixels' ] && [ "$(looks_up rk_quarter)" = 'two.html#code-rk_quarter ' ] &&
             [ "$(looks_up 'unit disk')" = 'glossary.html#term-unit-disk ' ] && [ -z "$(looks_up teapot)" ]
         verdict rows_of_words_functions_and_terms_are_found
 

@@ -150,25 +150,25 @@ def lead_to_workbench(book, feature, places):
 # --- Links that lead out of the book and the report ---------------------------------------------
 
 _OF_THE_KIT = re.compile(r"<a\s([^>]*?)href=\"(?:\.\./){2,}([^\"]*)\"([^>]*)>(.*?)</a>", re.DOTALL)
-REPORT = "report/report/index.html"
+_ROOMS = {"docs/out/book.html": "book", "reports/out/report.html": "report/report"}
 
 
-def _place_in_site(target, places, has_report):
+def _place_in_site(target, places):
     """Returns where the site has what is at target in the kit's folder, None if nowhere."""
     page, _, name = target.partition("#")
-    if page.endswith("docs/out/book.html") and name in places:
-        return f"book/{places[name]}#{name}"
-    return f"{REPORT}#{name}" if page.endswith("reports/out/report.html") and has_report else None
+    room = next((room for file, room in _ROOMS.items() if page.endswith(file)), None)
+    return f"{room}/{places[room][name]}#{name}" if name in places.get(room, {}) else None
 
 
-def lead_into_site(site, room, places, has_report):
+def lead_into_site(site, room, places):
     """Turns links from the pages in a room, such as "book", to the book and the report into those of the
-    site, and leaves the words of links to other files of the kit, which a site does not have."""
+    site, and leaves the words of links to other files of the kit, which a site does not have. `places` has of
+    each room that the site has the page of each name."""
     folder, up = os.path.join(site, room), "../" * (room.count("/") + 1)
 
     def turned(link):
         before, target, behind, words = link.groups()
-        place = _place_in_site(target, places, has_report)
+        place = _place_in_site(target, places)
         return f'<a {before}href="{up}{place}"{behind}>{words}</a>' if place else words
     for name in os.listdir(folder):
         if name.endswith(".html"):
@@ -231,8 +231,9 @@ def main():
                         os.path.join(arguments.out, "starters"))
             if arguments.book:
                 lead_to_workbench(book, feature, places)
-        for room in [*(["book"] if arguments.book else []), *(["report/report"] if arguments.report else [])]:
-            lead_into_site(arguments.out, room, places, arguments.report)
+        rooms = {room: read_places(os.path.join(arguments.out, room)) for room in _ROOMS.values()}
+        for room in filter(rooms.get, rooms):
+            lead_into_site(arguments.out, room, rooms)
         _write_json(arguments.out, "course", course)
         _write_json(arguments.out, "workbook", workbook_in(arguments.workbook, "mine"))
         for picture in ("cover.png", *_STRIP, *(task["stem"] + ".png" for task in course)):

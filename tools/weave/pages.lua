@@ -1,7 +1,6 @@
 -- From the woven document: its contents, and beside the single file a folder with pages, whose pictures are
--- files. The report is one page; the book has a page per section, or where sections are shorter than a screen
--- one for several. weave.sh makes the folder and puts the stylesheet there; without the folder no such pages
--- are written.
+-- files: one per section, or where sections are shorter than a screen one for several. weave.sh makes the folder
+-- and puts the stylesheet there; without the folder no such pages are written.
 
 local drive = require("drive")
 local index = require("index")
@@ -24,22 +23,25 @@ end
 
 -- --- chapters --------------------------------------------------------------------------------
 
--- The document by its headings of level 1: {id, title (HTML), blocks, sections (id and title)}.
+-- The document by its headings of level 1: {id, title (HTML), blocks, sections (id and title)}. What precedes the
+-- first one is in the first chapter.
 local function chapters_of(doc)
-  local list, current = {}, nil
+  local list, current, before = {}, nil, pandoc.List()
   for _, block in ipairs(doc.blocks) do
     if block.t == "Header" and block.level <= 2 then
       local title = pandoc.Plain(block.content):walk({Link = function(link) return link.content end})
       local entry = {id = block.identifier, title = (html_of({title}):gsub("%s+$", ""))}
       if block.level == 1 then
-        current = {id = entry.id, title = entry.title, blocks = pandoc.List(), sections = {}}
+        current = {id = entry.id, title = entry.title, blocks = current and pandoc.List() or before, sections = {}}
         list[#list + 1] = current
       elseif current then
         table.insert(current.sections, entry)
       end
     end
-    if current then current.blocks:insert(block) end
+    local blocks = current and current.blocks or before
+    blocks:insert(block)
   end
+  if not current then list[1] = {id = "", title = "", blocks = before, sections = {}} end
   return list
 end
 
@@ -48,6 +50,7 @@ local function contents_of(chapters, only)
   local lines = {"<ul>"}
   local function add(...) lines[#lines + 1] = string.format(...) end
   for _, chapter in ipairs(chapters) do
+    if chapter.id == "" then break end
     add('<li%s><a href="#%s">%s</a>', chapter == only and ' class="current"' or "", chapter.id, chapter.title)
     if #chapter.sections > 0 and (not only or chapter == only) then
       add("<ul>")
@@ -90,12 +93,18 @@ local function height_of(html)
   return lines
 end
 
+-- Of sections that are called alike, pandoc numbers the names: such a page is called as its chapter, too.
+local function file_of(chapter, id)
+  local title = id ~= chapter.id and id:match("^(.*)%-%d+$")
+  return (title and chapter.id .. "-" .. title or id) .. ".html"
+end
+
 -- A chapter's pages: {chapter, title, page (its file's name), html}. A page ends when it fills a screen; what
 -- is left of a chapter and does not goes with the page before.
 local function split(chapter)
-  local list, parts, level = {}, {}, 1
+  local list, parts = {}, {pandoc.List()}
   for _, block in ipairs(chapter.blocks) do
-    if block.t == "Header" and block.level == level then parts[#parts + 1], level = pandoc.List(), 2 end
+    if block.t == "Header" and block.level == 2 then parts[#parts + 1] = pandoc.List() end
     parts[#parts]:insert(block)
   end
   local function finish(page) page.html = table.concat(page.parts, "\n") end
@@ -103,7 +112,7 @@ local function split(chapter)
     local page, html = list[#list], html_of(blocks)
     if not page or page.height >= screen then
       local heading = chapter.sections[i - 1] or chapter
-      page = {chapter = chapter, id = heading.id, title = heading.title, page = heading.id .. ".html",
+      page = {chapter = chapter, id = heading.id, title = heading.title, page = file_of(chapter, heading.id),
         blocks = blocks, parts = {}, height = 0}
       list[#list + 1] = page
     end
@@ -160,7 +169,7 @@ end
 
 -- The values of the template that all pages have.
 local function common_values(doc)
-  local values = {css = "style.css", paged = drive.page == "book"}
+  local values = {css = "style.css", paged = "yes"}
   for name, value in pairs(PANDOC_WRITER_OPTIONS.variables) do
     if name ~= "css" and type(value) == "string" then values[name] = value end
   end
@@ -243,15 +252,14 @@ end
 local function write_pages(doc, folder, chapters, list, page_of, live_script)
   local template, values = read(tools .. "template.html"), common_values(doc)
   local of_all, description = values.pagetitle, values.description
-  local is_one = #list == 1
   for i, page in ipairs(list) do
     values.scripts = scripts_of(page.html, live_script)
     values.chapter = i > 1
     values.formulas = page.html:find("katex", 1, true) or page.html:find("<tspan font%-")
     values.pagetitle = i > 1 and page_title(page, of_all) or of_all
     values.description = i > 1 and description_of(page) or description
-    values.contents = relink(contents_of(chapters, not is_one and page.chapter), page, page_of)
-    values.body = relink(chapter_line(page) .. page.html, page, page_of) .. (is_one and "" or steps(list, i))
+    values.contents = relink(contents_of(chapters, page.chapter), page, page_of)
+    values.body = relink(chapter_line(page) .. page.html, page, page_of) .. steps(list, i)
     drive.write_file(folder .. "/" .. page.page, fill(template, values))
   end
   if live_script ~= "" then drive.write_file(folder .. "/live.js", live_script) end
@@ -272,13 +280,7 @@ local function fill_index(doc)
   end})
 end
 
--- The report is one page.
-local function pages_of(doc, chapters)
-  if drive.page == "report" then
-    local all = {id = "", title = "", page = "index.html", blocks = doc.blocks, html = html_of(doc.blocks)}
-    all.chapter = all
-    return {all}
-  end
+local function pages_of(chapters)
   local list = {}
   for _, chapter in ipairs(chapters) do
     local own = split(chapter)
@@ -292,7 +294,7 @@ function pages.write(doc)
   drive.say("writing the pages")
   doc = search.name_paragraphs(fill_index(doc))
   local chapters, folder = chapters_of(doc), drive.out .. "/" .. drive.page
-  local list = pages_of(doc, chapters)
+  local list = pages_of(chapters)
   local solutions = not doc.meta.solutions or pandoc.utils.stringify(doc.meta.solutions) == "yes"
   local live_script, page_of = live.script(solutions), find_names(list)
   local search_script = search.script(list, page_of)
