@@ -157,14 +157,24 @@ def first_of(result):
     return "", "passed" if result["verdicts"] else result["said"], ""
 
 
+# Mistakes whose message has other numbers in a page, and why.
+_OTHER_NUMBERS = {
+    ("bloom", "weights_by_logarithms"): "log and exp are another C library's, and round otherwise",
+    ("cubemap", "coordinates_in_float"): "so is atan, whose last bits count where areas are subtracted",
+    ("cubemap", "columns_in_8_bits"): "C does not define what 8 bits get of 259.01: 3 by x86, 255 in a page",
+    ("cubemap", "quads_in_8_bits"): "the same",
+}
+
+
 def measured_alike(message):
-    """The bytes of stack that code took are the compiler's."""
-    return re.sub(r"took \d+", "took", message)
+    """The bytes of stack that code took are the compiler's, and times are the machine's."""
+    return re.sub(r"took \d+", "took", re.sub(r"[\d.]+ ms", "ms", message))
 
 
-def same(native, page):
-    """Faults have other words: a page has no addresses."""
-    is_alike = native[1] == "fault" or measured_alike(native[2]) == measured_alike(page[2])
+def same(native, page, of):
+    """Faults have other words: a page has no addresses. `of` is the suite and the mistake."""
+    has_other_words = native[1] == "fault" or of in _OTHER_NUMBERS
+    is_alike = has_other_words or measured_alike(native[2]) == measured_alike(page[2])
     return native[:2] == page[:2] and is_alike
 
 
@@ -189,7 +199,7 @@ def check_suite(suite, claims, wanted):
         native, page = suite.first(files[name], name, claims), first_of(result)
         if name != "starter":
             told.append(dict(zip(names, (name, units[name], *native))))
-        if not same(native, page):
+        if not same(native, page, (suite.stem, name)):
             differ += [f"{name}: natively {native}", f"    in the page {page}"]
     check(not differ, f"{suite.stem}: the starter and {len(units) - 1} known mistakes fail the same claim "
           "first, with the same message", differ)

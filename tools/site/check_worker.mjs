@@ -96,7 +96,7 @@ async function draw(id, step) {
 // For the next visit; without the object, which is linked by then, and the seconds, which it will not take.
 function keep() {
   const {object, seconds, ...kept} = build;
-  kit.builds.keep(texts, {...kept, places: [...kit.checker.places]});
+  kit.builds.keep(texts, {...kept, places: [...kit.checker.places], took: [...kit.checker.took]});
 }
 
 // The driver's module with the kit's unit, linked when it is first asked for.
@@ -133,6 +133,7 @@ async function check({id, text, others}) {
   texts = asked;
   build = kept || built(asked, course);
   checker.places = new Map(build.places);
+  if (kept) checker.took = new Map(build.took);
   const {said, why, suite, starters, seconds} = build, claims = (await kit.suites()).map(({name}) => name);
   postMessage({id, said: said + why, built: Boolean(suite)});
   if (!suite) {

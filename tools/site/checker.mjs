@@ -3,6 +3,7 @@
 
 export class Checker {
   places = new Map(); // "normals.c:12" by the calls that an engine lists, as far as they were asked for
+  took = new Map(); // seconds, by claim, when it last passed
   #run = {is_ended: true};
   #slots; // {worker, stop}: a worker, or null, and what takes the result that is awaited, or null
 
@@ -30,16 +31,24 @@ export class Checker {
     return {bytes, said, seconds: (performance.now() - started) / 1000};
   }
 
-  // Runs claims of a module, begun in order, as many at once as there are workers; calls tell(verdict) for each that
-  // ends, see verdict_of. A claim may take limit() seconds. Resolves when all have run, or when end() is called.
+  // Runs claims of a module, as many at once as there are workers: the first worker in order, the others those first that
+  // took longest, so that none is left for the end. Calls tell(verdict) for each that ends, see verdict_of. A claim may
+  // take limit() seconds. Resolves when all have run, or when end() is called.
   async run(module, bytes, claims, limit, tell) {
     const left = [...claims], run = this.#run = {is_ended: false};
-    await Promise.all(this.#slots.map(async (slot) => {
+    await Promise.all(this.#slots.map(async (slot, number) => {
       while (left.length > 0 && !run.is_ended) {
-        const result = await this.#run_one(slot, module, left.shift(), limit());
+        const [claim] = left.splice(number === 0 ? 0 : this.#longest(left), 1), result = await this.#run_one(slot, module, claim, limit());
+        if (result?.status === 0) this.took.set(claim, result.seconds);
         if (!run.is_ended) tell(this.verdict_of(bytes, result));
       }
     }));
+  }
+
+  // Which claim took longest: the first one of which it is not known.
+  #longest(claims) {
+    const took = claims.map((claim) => this.took.get(claim) ?? Infinity);
+    return took.indexOf(Math.max(...took));
   }
 
   // Ends the claims that are running, if any are.

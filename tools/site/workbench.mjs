@@ -17,7 +17,7 @@ const PAUSE = 300; // milliseconds without a key after which a text is checked
 const stem = location.search.slice(1).match(/^[a-z_]+/)?.[0] || "normals";
 
 const worker = new Worker(new URL("check_worker.mjs", import.meta.url), {type: "module"});
-let id = 0, timer = null, typed = 0, is_loaded = false, starter = "", task = null, verdicts = null, course = [], findings = [], chosen = null;
+let id = 0, timer = null, typed = 0, is_loaded = false, starter = "", task = null, verdicts = null, course = [], findings = [], chosen = null, seen = "";
 
 const editor = new Editor(shown("text"), "your code, in C", () => {
   clearTimeout(timer);
@@ -169,6 +169,7 @@ worker.onmessage = ({data}) => {
   }
   if (data.said !== undefined) {
     verdicts = new Verdicts(task, place_of);
+    seen = "";
     findings = show_said(data.said, data.built, place_of).filter(({file}) => file === `${stem}.c`)
       .map(({severity, ...finding}) => ({...finding, severity: severity === "note" ? "info" : severity}));
     editor.mark(findings);
@@ -177,7 +178,8 @@ worker.onmessage = ({data}) => {
   if (data.verdict) {
     verdicts.put(data.verdict);
     shown("state").textContent = `Checking: ${verdicts.size} of ${verdicts.names.length}`;
-    if (data.verdict.verdict !== "passed") show_first();
+    if (verdicts.first && verdicts.first.claim !== seen) show_first();
+    seen = verdicts.first?.claim;
   }
   if (data.ends && data.ends.run !== undefined) show_end(data.ends);
   if (data.drawn) show_drawn(data.drawn);

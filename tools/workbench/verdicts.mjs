@@ -31,6 +31,12 @@ export class Verdicts {
   get size() { return this.#told.size; }
   get passed() { return [...this.#told.values()].filter(({verdict}) => verdict === "passed").length; }
 
+  // The first claim in the order of work that does not hold, once all before it hold; or undefined.
+  get first() {
+    const told = this.names.map((name) => this.#told.get(name));
+    return told[told.findIndex((one) => one?.verdict !== "passed")];
+  }
+
   holds(name) { return this.#told.get(name)?.verdict === "passed"; }
 
   // Whether one of a step, or of one before it, is known not to hold.
