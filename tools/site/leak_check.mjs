@@ -90,8 +90,8 @@ const {values: {tools, pack, site, store, open}} = parseArgs({options: {tools: t
 const toolchain = await load_toolchain(site), secrets = new Map();
 for (const stem of open.split(/\s+/).filter(Boolean))
   for (const make of [maker_of_suites, maker_of_drivers])
-    for (const checks of make === maker_of_suites ? [false, true] : [false]) {
-      const object = (source) => make(toolchain, {source, tools, store}).compile(`src/features/${stem}.c`, checks);
+    for (const options of make === maker_of_suites ? [{}, {lines: true}, {checks: true}] : [{}]) {
+      const object = (source) => make(toolchain, {source, tools, store}).compile(`src/features/${stem}.c`, options);
       const starter = Buffer.from(object(pack));
       for (const piece of pieces_of(object(tools))) if (starter.indexOf(piece) < 0) secrets.set(piece.toString("latin1"), {stem, piece});
     }

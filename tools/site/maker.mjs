@@ -28,26 +28,26 @@ class Maker {
     fs.mkdirSync(store, {recursive: true});
   }
 
-  // Returns the object of a source; throws what the compiler says of it.
-  compile(file, checks = false) {
+  // Returns the object of a source; throws what the compiler says of it. lines: so that places in it can be found.
+  compile(file, {checks = false, lines = checks} = {}) {
     const name = path.basename(file), folder = fs.existsSync(path.join(this.source, file)) ? this.source : this.tools;
     const text = fs.readFileSync(path.join(folder, file), "utf8");
     const beside = file.startsWith("assignments/") ? tree(path.join(this.source, path.dirname(file)), /\.h$/) : {};
     const parts = Object.keys(beside).length ? JSON.stringify(beside) : "";
-    const digest = createHash("sha256").update(`${this.inputs} ${checks} ${file}\n${parts}${text}`).digest("hex");
+    const digest = createHash("sha256").update(`${this.inputs} ${checks} ${lines} ${file}\n${parts}${text}`).digest("hex");
     const stored = path.join(this.store, `${digest}.o`);
     if (fs.existsSync(stored)) return new Uint8Array(fs.readFileSync(stored));
     const {object, said} = this.toolchain.compile({...this.headers, ...beside, [name]: text}, name,
-      {include: this.include, flags: this.flags, checks, lines: checks});
+      {include: this.include, flags: this.flags, checks, lines});
     if (!object) throw new ToolError(`${file} does not compile:\n${said}`);
     fs.writeFileSync(`${stored}.part`, object);
     fs.renameSync(`${stored}.part`, stored);
     return object;
   }
 
-  // Returns the objects of several, by names for a linker.
-  compile_all(sources, checks = () => false) {
-    return Object.fromEntries(sources.map((file) => [file.replaceAll("/", "-").replace(/c$/, "o"), this.compile(file, checks(file))]));
+  // Returns the objects of several, by names for a linker; options(file): compile's.
+  compile_all(sources, options = () => ({})) {
+    return Object.fromEntries(sources.map((file) => [file.replaceAll("/", "-").replace(/c$/, "o"), this.compile(file, options(file))]));
   }
 }
 

@@ -1,14 +1,14 @@
 /* Memory that is watched, for claims in a page: WebAssembly itself lets a program read and write
- * all that it has. Suites and units are compiled with clang's address sanitizer, whose checks call
- * __asan_load4 and so on before each access; what these know is kept here, and is of two kinds:
+ * all that it has. Units are compiled with clang's address sanitizer, whose checks call __asan_load4
+ * and so on before each access; what these know is kept here, and is of two kinds:
  *
  *   - bytes that belong to nothing: beside and in freed blocks of malloc, and beside globals
  *     (Serebryany et al., "AddressSanitizer: a fast address sanity checker", 2012), a bit for each;
  *   - pages of 4 KiB that mprotect closed, or that nothing has touched yet (mincore). A closed page
  *     calls the handler of SIGSEGV, as a processor does.
  *
- * The margins of variables on the stack are kept by the compiler itself. The kit's own objects are
- * not checked. */
+ * The margins of variables on the stack are kept by the compiler itself. Suites and the
+ * kit's own objects are not checked, but for what reads through a unit's pointers. */
 #include "page.h"
 
 #include <errno.h>

@@ -43,20 +43,20 @@ async function main() {
     fs.mkdirSync(path.join(out, folder), {recursive: true});
   }
   // Allocations are counted by the sanitizer's hooks; the kit's triangle test reads what a unit gives it.
-  const is_checked = (file) => file === "tests/count_allocations.c" || file.startsWith("src/features/");
+  const of_kit = (file) => ({checks: file === "tests/count_allocations.c" || file.startsWith("src/features/")});
+  const of_suite = () => ({lines: true}); // natively their memory is not watched, either
   const unit = (stem) => `src/features/${stem}.c`, stems = words(values.open), isOpen = (file) => stems.map(unit).includes(file);
   const base = words(values.base), starters = Object.fromEntries(stems.map((stem) => [stem, maker.compile(unit(stem))]));
-  const kit = toolchain.archive(maker.compile_all([...base.filter((file) => !isOpen(file)), ...OWN, "tests/count_allocations.c"], is_checked));
+  const kit = toolchain.archive(maker.compile_all([...base.filter((file) => !isOpen(file)), ...OWN, "tests/count_allocations.c"], of_kit));
   const suites = {}, open = {stems, suites: {}, starters: {}, note: fs.readFileSync(path.join(source, "src/driver/implementation_note.c"), "utf8")};
   for (const suite of values.suite) {
     const [stem, ...all] = words(suite), sources = all.filter((file) => file !== unit(stem));
-    const object = toolchain.join(maker.compile_all([...OF_SUITES, ...sources.filter((file) => !isOpen(file))],
-      (file) => file.startsWith("tests/")));
+    const object = toolchain.join(maker.compile_all([...OF_SUITES, ...sources.filter((file) => !isOpen(file))], of_suite));
     write_packed(out, `suites/${stem}.o`, object);
     open.suites[stem] = [...sources, ...base].filter(isOpen).map((file) => path.basename(file, ".c")).filter((other) => other !== stem);
     if (stems.includes(stem)) open.starters[stem] = fs.readFileSync(path.join(source, "workbook", `${stem}.c`), "utf8");
     const others = Object.fromEntries(open.suites[stem].map((other) => [`other-${other}.o`, starters[other]]));
-    const {bytes, said: why} = toolchain.link({"unit.o": maker.compile(unit(stem), true), "suite.o": object}, {"kit.a": kit}, {others});
+    const {bytes, said: why} = toolchain.link({"unit.o": maker.compile(unit(stem), {checks: true}), "suite.o": object}, {"kit.a": kit}, {others});
     if (!bytes) throw new ToolError(`the suite ${stem} cannot be linked: ${why}`);
     const {printed, status, said, fault} = runSuite(new WebAssembly.Module(bytes), ["--list"]);
     if (status !== 0) throw new ToolError(`the suite ${stem} does not list its claims: ${said} ${fault}`);

@@ -31,9 +31,9 @@ const FILL = ["-ftrivial-auto-var-init=pattern", "-include", "base/filled.h"];
 const LOOPS = ["-fno-finite-loops"];
 // What an integer is made of that it has no room for has some value, the nearest that there is, and no other at each use.
 const CASTS = ["-fno-strict-float-cast-overflow"];
-const OF_SUITES = ["-mllvm", "-asan-stack=0"];
+const OF_KIT = ["-mllvm", "-asan-stack=0"];
 // What objects depend on besides their sources.
-export const OBJECT_FLAGS = [TARGET, LANGUAGE, OPTIMIZE, LINES, [...ADDRESSES, ...OF_SUITES, ...UNDEFINED]];
+export const OBJECT_FLAGS = [TARGET, LANGUAGE, OPTIMIZE, LINES, [...ADDRESSES, ...OF_KIT, ...UNDEFINED]];
 const LINK = ["-m", "wasm32", "-z", `stack-size=${STACK_BYTES}`, "--stack-first",
   `--global-base=${STACK_BYTES + KNOWN_BYTES / 8}`, "--max-memory=4294967296",
   ...["malloc", "calloc", "realloc", "aligned_alloc", "free"].map((name) => `--wrap=${name}`)];
@@ -77,7 +77,7 @@ export class Toolchain {
   // file; lines: so that places can be found. Returns the object (null if the file has errors) and what the compiler said.
   compile(files, path, {include = [], flags = [], checks = true, unit = false, lines = true, warnings = false} = {}) {
     const folders = include.flatMap((folder) => ["-I", folder]);
-    const checked = checks ? [...ADDRESSES, ...(unit ? [...OF_UNITS, ...FILL, ...LOOPS, ...CASTS] : OF_SUITES), ...UNDEFINED] : [];
+    const checked = checks ? [...ADDRESSES, ...(unit ? [...OF_UNITS, ...FILL, ...LOOPS, ...CASTS] : OF_KIT), ...UNDEFINED] : [];
     const {status, output, said} = this.run(["clang", "-cc1", ...TARGET, "-emit-obj", ...OPTIMIZE, ...LANGUAGE,
       ...(lines ? LINES : []), ...checked, ...(warnings ? WARNINGS : ["-w"]), ...folders, ...flags,
       "-main-file-name", path.replace(/.*\//, ""), "-o", "-", "-x", "c", path], files);
