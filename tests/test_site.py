@@ -168,6 +168,7 @@ _OTHER_NUMBERS = {
 _OTHER_CLAIM = {
     ("bvh_median", "sorts_by_insertion"): "in a page a claim before it has no verdict in its time, either",
     ("bvh_median", "first_key_as_the_pivot"): "so has the claim that measures the time",
+    ("watertight", "lanes_without_a_triangle_count"): "arrays of suites have no margins in a page",
     ("sah_binning", "triangles_read_again_for_two_bins_too"): "sanitizers blur the times that tell it",
 }
 

@@ -6,7 +6,7 @@ import {gzipSync} from "node:zlib";
 
 const BLOCK = 512;
 const KEPT = [/^include\/wasm32-wasip1\//, /^include\/(__)?std[a-z_]*\.h$/, /^include\/(float|limits|inttypes|iso646|tgmath|__float_\w+|wasm_simd128)\.h$/,
-  /^lib\/wasm32-wasip1\/(crt1-command\.o|libc\.a)$/, /^lib\/wasm32-unknown-wasip1\/libclang_rt\.builtins\.a$/];
+  /^lib\/wasm32-wasip1\/(crt1-command\.o|libc\.a|libc-printscan-long-double\.a)$/, /^lib\/wasm32-unknown-wasip1\/libclang_rt\.builtins\.a$/];
 const LEFT_OUT = /^include\/wasm32-wasip1\/c\+\+\//;
 const RESOURCES = "llvm-resources.tar";
 

@@ -90,7 +90,7 @@ export class Toolchain {
   link(objects, archives, {wrap = [], others = {}} = {}) {
     const wrapped = wrap.map((name) => `--wrap=${name}`);
     const {status, output, said} = this.run(["wasm-ld", ...LINK, ...wrapped, `${LIBRARIES}/crt1-command.o`,
-      ...Object.keys(objects), "--start-lib", ...Object.keys(others), "--end-lib", ...Object.keys(archives), "-L", LIBRARIES, "-lc", "/usr/lib/wasm32-unknown-wasip1/libclang_rt.builtins.a",
+      ...Object.keys(objects), "--start-lib", ...Object.keys(others), "--end-lib", ...Object.keys(archives), "-L", LIBRARIES, "-lc-printscan-long-double", "-lc", "/usr/lib/wasm32-unknown-wasip1/libclang_rt.builtins.a",
       "-o", "-"], {...objects, ...others, ...archives});
     return {bytes: status === 0 ? output : null, said};
   }
