@@ -255,7 +255,7 @@ static void children_out_of_range_are_found(void **state)
         char place[24];
         snprintf(place, sizeof place, "(first %u)", first[i]);
         f->bvh.nodes[3].first = first[i];
-        check_fault(f, "are outside the nodes", place);
+        check_fault(f, "are beyond node_count", place);
     }
 }
 

@@ -335,7 +335,9 @@ static const char *mistake_of_halves(const below *left, const below *right, int 
     if (b < 0 && are_bits_in_order(a, b))
         return "; as whole numbers their bits are in order: negative floats are in the opposite "
                "one";
-    return ": are centroids compared, (a + b + c) / 3 on this axis?";
+    return ": are centroids compared, (a + b + c) / 3 on this axis, and are the smaller ones in "
+           "front "
+           "after the selection?";
 }
 
 /* Checks the subtree of a node against the definition; recursion is at most 31 deep here. */

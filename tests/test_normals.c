@@ -47,7 +47,8 @@ static void check_normal(rk_vec3 a, rk_vec3 b, rk_vec3 c, rk_vec3 want, const ch
         RK_VECTOR_MISTAKES({{-w[0], -w[1], -w[2]},
                             "the edges are multiplied in the other order, not (b - a) x (c - a)"},
                            {{all[0], all[1], all[2]},
-                            "the cross product is not normalized: it is as long as its area"}),
+                            "the cross product is not normalized: it is as long as the "
+                            "parallelogram's area"}),
         hint);
 }
 

@@ -147,9 +147,20 @@ def lead_to_workbench(book, feature, places):
         _write(book, name, f'{before}{end}<script src="../folded.js"></script>\n{behind}')
 
 
+def lead_to_start(book, places):
+    """Says where the book tells how to write units that they can be written here."""
+    if "write-it" in places:
+        name = places["write-it"]
+        with open(os.path.join(book, name), encoding="utf-8") as file:
+            page = file.read()
+        link = '<a href="../index.html">Here, in your browser: choose an assignment</a>'
+        _write(book, name, _behind_heading(page, "write-it", link, os.path.join(book, name)))
+
+
 # --- Links that lead out of the book and the report ---------------------------------------------
 
 _OF_THE_KIT = re.compile(r"<a\s([^>]*?)href=\"(?:\.\./){2,}([^\"]*)\"([^>]*)>(.*?)</a>", re.DOTALL)
+_HOME = '<p class="home"><a href="{up}index.html">All assignments</a></p>'
 _ROOMS = {"docs/out/book.html": "book", "reports/out/report.html": "report/report"}
 
 
@@ -162,8 +173,8 @@ def _place_in_site(target, places):
 
 def lead_into_site(site, room, places):
     """Turns links from the pages in a room, such as "book", to the book and the report into those of the
-    site, and leaves the words of links to other files of the kit, which a site does not have. `places` has of
-    each room that the site has the page of each name."""
+    site, and leaves the words of links to other files of the kit, which a site does not have; puts a link to
+    the site's first page above each. `places` has of each room that the site has the page of each name."""
     folder, up = os.path.join(site, room), "../" * (room.count("/") + 1)
 
     def turned(link):
@@ -174,8 +185,8 @@ def lead_into_site(site, room, places):
         if name.endswith(".html"):
             with open(os.path.join(folder, name), encoding="utf-8") as file:
                 page = file.read()
-            if _OF_THE_KIT.search(page):
-                _write(folder, name, _OF_THE_KIT.sub(turned, page))
+            page = _OF_THE_KIT.sub(turned, page)
+            _write(folder, name, page.replace("<header>\n", f'<header>\n{_HOME.format(up=up)}\n', 1))
 
 
 # --- The site -------------------------------------------------------------------------------------
@@ -231,6 +242,8 @@ def main():
                         os.path.join(arguments.out, "starters"))
             if arguments.book:
                 lead_to_workbench(book, feature, places)
+        if arguments.book:
+            lead_to_start(book, places)
         rooms = {room: read_places(os.path.join(arguments.out, room)) for room in _ROOMS.values()}
         for room in filter(rooms.get, rooms):
             lead_into_site(arguments.out, room, rooms)

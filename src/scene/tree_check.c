@@ -131,7 +131,7 @@ static void check_node(const rk_bvh_node *node, uint32_t level, void *context)
     else if (level + 1 >= RK_BVH_LEVELS_MAX)
         fault(v, "a path is deeper than a traversal's stack", "level", level + 1);
     else if (node->first < 2 || node->first % 2 || node->first + 1 >= v->bvh->node_count)
-        fault(v, "an inner node's children are outside the nodes, or at an odd index", "first",
+        fault(v, "an inner node's children are beyond node_count, or at an odd index", "first",
               node->first);
     else
         for (uint32_t child = node->first; child < node->first + 2; child++)

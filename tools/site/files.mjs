@@ -44,7 +44,7 @@ export async function open_files(files, page) {
   for (const {stem, text} of taken) page.put(stem, text);
   if (taken.length === 1 && taken[0].stem === page.stem && units.length === 1 && !refused.length) return;
   const link = ({stem}) => made("a", {href: `workbench.html?${stem}`, textContent: page.title_of(stem)});
-  const titles = (some) => some.map(({stem}) => page.title_of(stem));
+  const titles = (some) => page.stems.filter((stem) => some.some((unit) => unit.stem === stem)).map(page.title_of);
   await asked(taken.length ? "Opened" : "Nothing was changed", [
     ...list("Taken, each into its assignment:", taken.map(link)),
     ...list("Not taken, as you said:", titles(others.filter((unit) => !taken.includes(unit)))),

@@ -1,6 +1,6 @@
 /* Memory that is watched, for claims in a page: WebAssembly itself lets a program read and write
- * all that it has. Units are compiled with clang's address sanitizer, whose checks call __asan_load4
- * and so on before each access; what these know is kept here, and is of two kinds:
+ * all that it has. Units are compiled with clang's address sanitizer, whose checks call
+ * __asan_load4 and so on before each access; what these know is kept here, and is of two kinds:
  *
  *   - bytes that belong to nothing: beside and in freed blocks of malloc, and beside globals
  *     (Serebryany et al., "AddressSanitizer: a fast address sanity checker", 2012), a bit for each;
@@ -305,7 +305,8 @@ static _Noreturn void wrong_access(const char *what, uintptr_t at, size_t size, 
     if (at < page_size)
         snprintf(where, sizeof where, " by a pointer that is NULL, or almost");
     else if (at < stack_end)
-        snprintf(where, sizeof where, " beside a variable, or of one whose block has ended");
+        snprintf(where, sizeof where,
+                 " just outside of a variable, or of one that is gone with its block");
     else
         tell_block(where, sizeof where, at);
     if (size > 0)

@@ -34,7 +34,8 @@ export function units_of(files, stems) {
   const found = [], refused = [];
   for (const {name, bytes} of files) {
     if (!is_archive(bytes)) {
-      found.push({path: name, bytes, is_packed: false});
+      if (/\.(zip|tar|gz|tgz)$/i.test(name)) refused.push(`${name} is damaged, or no archive: save or download it again`);
+      else found.push({path: name, bytes, is_packed: false});
       continue;
     }
     try {

@@ -17,7 +17,7 @@ const PAUSE = 300; // milliseconds without a key after which a text is checked
 const stem = location.search.slice(1).match(/^[a-z_]+/)?.[0] || "normals";
 
 const worker = new Worker(new URL("check_worker.mjs", import.meta.url), {type: "module"});
-let id = 0, timer = null, typed = 0, is_loaded = false, starter = "", task = null, verdicts = null, course = [], findings = [], chosen = null, seen = "";
+let id = 0, timer = null, typed = 0, is_loaded = false, starter = "", task = null, verdicts = null, course = [], findings = [], chosen = null, seen = "", drawable = [];
 
 const editor = new Editor(shown("text"), "your code, in C", () => {
   clearTimeout(timer);
@@ -25,6 +25,8 @@ const editor = new Editor(shown("text"), "your code, in C", () => {
   timer = setTimeout(check, PAUSE);
   shown("shared").replaceChildren();
 });
+
+shown("text").inert = true; // what is typed before the kept text is there would be lost
 
 // What another tab has changed is compiled when this one is seen.
 const work = new Work(stem, editor, ({is_later, text}) => {
@@ -51,7 +53,7 @@ function check() {
   if (!work.save()) no_room();
   shown("state").textContent = is_loaded ? "Checking" : "Loading the compiler";
   shown("drawn").textContent = "";
-  if (!shown("pictures").classList.contains("old")) shown("whose").textContent += ", before your last change";
+  if (!shown("pictures").classList.contains("old")) shown("whose").textContent += ", from before your last change";
   for (const name of ["first", "pictures", "steps"]) shown(name).classList.add("old");
   worker.postMessage({id: ++id, text: editor.text(), others: others()});
 }
@@ -66,11 +68,13 @@ function place_of(place) {
   return line ? made("button", {className: "place", textContent: `line ${line}`, onclick: () => editor.show(line)}) : place_in_suite(task, place);
 }
 
-// Returns the step to draw: that of the claim to work on, or the last one.
+// Returns the step to draw: that of the claim to work on, or the last one. If it is left to write, there is one before it
+// with a picture of what was written.
 function show_first() {
   const first = verdicts.show_first(), line = first ? line_of(first.place) : 0;
   if (line) editor.mark([...findings, {line, message: first.message, severity: "error"}]);
-  return first?.step || task.steps[task.steps.length - 1].number;
+  const step = first?.step || task.steps[task.steps.length - 1].number;
+  return is_unwritten(step) && drawable.findLast((number) => number < step && !is_unwritten(number)) || step;
 }
 
 // --- The picture ---
@@ -93,10 +97,10 @@ function is_unwritten(step) {
 
 const STAND_IN = "the picture is traced through the renderer's own tree"; // says a driver
 
-// Why a picture is not the student's work, or "".
+// Why a picture is not the student's work: {whose, why}; or null.
 function instead({step, args}, said) {
-  if (!args.includes("--debug") && said.includes(STAND_IN)) return "your tree finds no triangles yet, and the kit's is used in its place";
-  return is_unwritten(step) ? UNWRITTEN : "";
+  if (!args.includes("--debug") && said.includes(STAND_IN)) return {whose: "not by your code yet", why: "your tree finds no triangles yet, and the kit's is used in its place"};
+  return is_unwritten(step) ? {whose: `by the text as it is, without step ${step}`, why: UNWRITTEN} : null;
 }
 
 function said_of_picture({step}, share) {
@@ -118,12 +122,12 @@ async function show_drawn({look, pixels, width, height, said, fault, place, seco
   shown("pictures").hidden = shown("pixel").hidden = shown("explained").hidden = !pixels;
   shown("pictures").classList.remove("old");
   shown("caption").textContent = `wanted: ${look.caption}`;
+  for (const one of shown("looks").children) one.ariaPressed = one.value ? String(Number(one.value) === look.step) : null;
   if (!pixels) return without_picture(look.step, fault || said.trim(), place);
   const other = instead(look, said);
-  shown("whose").textContent = other ? "not by your code yet" : "by your code";
-  shown("legend").textContent = other ? "" : differ ? `where they differ: white is equal, black differs by ${BLACK_AT} of 255 or more` : "equal";
-  shown("drawn").textContent = `Step ${look.step}: ${other || said_of_picture(look, differ && share)}; drawn in ${seconds.toFixed(2)} s${starters_named(said)}`;
-  for (const one of shown("looks").children) one.ariaPressed = one.value ? String(Number(one.value) === look.step) : null;
+  shown("whose").textContent = other?.whose || "by your code";
+  shown("legend").textContent = differ ? `where they differ: white is equal, black differs by ${BLACK_AT} of 255 or more` : "equal";
+  shown("drawn").textContent = `Step ${look.step}: ${other?.why || said_of_picture(look, differ && share)}; drawn in ${seconds.toFixed(2)} s${starters_named(said)}`;
   pixel.drawn(look.step);
 }
 
@@ -149,6 +153,7 @@ function show_end({starters, ...seconds}) {
 
 // Buttons for each step's picture, and for the one to work on.
 function show_looks(looks) {
+  drawable = looks.map(({step}) => step);
   const button = (textContent, step, title = "") => made("button", {textContent, title, value: step || "", onclick() {
     chosen = step;
     if (!verdicts?.size) return; // it follows the verdict
@@ -258,6 +263,7 @@ async function begin() {
     editor.foldGiven();
     editor.showFirstStep();
   }
+  shown("text").inert = false;
   check();
 }
 

@@ -1,6 +1,6 @@
 -- From the woven document: its contents, and beside the single file a folder with pages, whose pictures are
--- files: one per section, or where sections are shorter than a screen one for several. weave.sh makes the folder
--- and puts the stylesheet there; without the folder no such pages are written.
+-- files: one per section, or where sections are shorter than a screen one for several. weave.sh makes the
+-- folder and puts the stylesheet there; without the folder no such pages are written.
 
 local drive = require("drive")
 local index = require("index")
@@ -23,8 +23,8 @@ end
 
 -- --- chapters --------------------------------------------------------------------------------
 
--- The document by its headings of level 1: {id, title (HTML), blocks, sections (id and title)}. What precedes the
--- first one is in the first chapter.
+-- The document by its headings of level 1: {id, title (HTML), blocks, sections (id and title)}. What precedes
+-- the first one is in the first chapter.
 local function chapters_of(doc)
   local list, current, before = {}, nil, pandoc.List()
   for _, block in ipairs(doc.blocks) do
@@ -32,7 +32,8 @@ local function chapters_of(doc)
       local title = pandoc.Plain(block.content):walk({Link = function(link) return link.content end})
       local entry = {id = block.identifier, title = (html_of({title}):gsub("%s+$", ""))}
       if block.level == 1 then
-        current = {id = entry.id, title = entry.title, blocks = current and pandoc.List() or before, sections = {}}
+        current = {id = entry.id, title = entry.title, blocks = current and pandoc.List() or before,
+          sections = {}}
         list[#list + 1] = current
       elseif current then
         table.insert(current.sections, entry)

@@ -19,7 +19,8 @@ local function text_of(block)
     local class = span.classes[1]
     return (class == "parameters" or class == "from") and {} or nil
   end
-  local text = pandoc.utils.stringify(block:walk({Image = function() return {} end, Span = leave_out}))
+  local text = pandoc.utils.stringify(block:walk({Image = function() return {} end, Span = leave_out,
+    Math = function() return pandoc.Str("…") end}))
   return (text:gsub("%s+", " "):gsub("^ ", ""):gsub(" $", ""))
 end
 

@@ -45,7 +45,7 @@ export function show_said(words, is_built, place_of) {
 }
 
 // What to say of a picture whose step is left to write.
-export const UNWRITTEN = "not written yet; this is drawn by the starter's function, or by the kit's in its place";
+export const UNWRITTEN = "not written yet; this is drawn by the text as it is";
 
 // What to say of a picture that is the wanted one.
 export const said_of_wanted = (is_broken) => is_broken ? "the wanted picture, but some claims up to this step fail, which it does not show" : "the wanted picture";
