@@ -68,13 +68,14 @@ function place_of(place) {
   return line ? made("button", {className: "place", textContent: `line ${line}`, onclick: () => editor.show(line)}) : place_in_suite(task, place);
 }
 
-// Returns the step to draw: that of the claim to work on, or the last one. If it is left to write, there is one before it
-// with a picture of what was written.
+// Returns the step to draw: that of the claim to work on, or the last one. If the next picture is of one that is left to
+// write, there is one before it of what was written.
 function show_first() {
   const first = verdicts.show_first(), line = first ? line_of(first.place) : 0;
   if (line) editor.mark([...findings, {line, message: first.message, severity: "error"}]);
   const step = first?.step || task.steps[task.steps.length - 1].number;
-  return is_unwritten(step) && drawable.findLast((number) => number < step && !is_unwritten(number)) || step;
+  const is_open = is_unwritten(drawable.find((number) => number >= step) ?? step);
+  return is_open && drawable.findLast((number) => number < step && !is_unwritten(number)) || step;
 }
 
 // --- The picture ---
