@@ -335,6 +335,8 @@ def mistakes_that_cannot_be_seen_are_refused(folder):
             check(False, name, wrong.draw_all(TOOLCHAIN, feature, os.path.join(folder, "out")))
         except ToolError as error:
             check(part in str(error) and "wrong.tsv" in str(error), name, error)
+        finally:
+            wrong.SECONDS = 30
 
 
 # --- README -----------------------------------------------------------------------------------------

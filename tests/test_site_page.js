@@ -311,8 +311,8 @@ async function unwritten(browser, address) {
   await ask("");
   check(await browser.until(`/^Step 1/.test(document.getElementById("drawn").textContent)`), "and the first one that is not done again");
   await browser.value("scrollTo(0, document.body.scrollHeight)");
-  const seen = await browser.value(`(({top, bottom}) => [scrollY > 500, top >= 0, bottom <= innerHeight])(document.getElementById("text").getBoundingClientRect())`);
-  check(seen.every(Boolean), "the editor stays where it is while steps are read", seen.join());
+  const seen = await browser.value(`(({top, bottom}) => [scrollY > 500, top >= 0, bottom <= innerHeight])(document.getElementById("code").getBoundingClientRect())`);
+  check(seen.every(Boolean), "editor and pictures stay where they are while steps are read", seen.join());
 }
 
 // What stands beside the code.

@@ -5,7 +5,7 @@ export class Checker {
   places = new Map(); // "normals.c:12" by the calls that an engine lists, as far as they were asked for
   took = new Map(); // seconds, by claim, when it last passed
   #run = {is_ended: true};
-  #slots; // {worker, stop}: a worker, or null, and what takes the result that is awaited, or null
+  #slots; // {worker, stop, wait}: a worker, or null; what takes the result that is awaited, or null; and what waits anew
 
   // toolchain: may come later, if there are modules already. kit: what `make site` has made: {archive, headers, suites:
   // {STEM: {object, claims}}}. startWorker() starts
@@ -33,14 +33,16 @@ export class Checker {
 
   // Runs claims of a module, as many at once as there are workers: the first worker in order, the others those first that
   // took longest, so that none is left for the end. Calls tell(verdict) for each that ends, see verdict_of. A claim may
-  // take limit() seconds. Resolves when all have run, or when end() is called.
+  // take limit() seconds, which is asked again after each verdict. Resolves when all have run, or when end() is called.
   async run(module, bytes, claims, limit, tell) {
     const left = [...claims], run = this.#run = {is_ended: false};
     await Promise.all(this.#slots.map(async (slot, number) => {
       while (left.length > 0 && !run.is_ended) {
-        const [claim] = left.splice(number === 0 ? 0 : this.#longest(left), 1), result = await this.#run_one(slot, module, claim, limit());
+        const [claim] = left.splice(number === 0 ? 0 : this.#longest(left), 1), result = await this.#run_one(slot, module, claim, limit);
         if (result?.status === 0) this.took.set(claim, result.seconds);
-        if (!run.is_ended) tell(this.verdict_of(bytes, result));
+        if (run.is_ended) return;
+        tell(this.verdict_of(bytes, result));
+        for (const other of this.#slots) if (other.stop) other.wait();
       }
     }));
   }
@@ -65,13 +67,19 @@ export class Checker {
   #run_one(slot, module, claim, limit) {
     return new Promise((resolve) => {
       slot.worker = slot.worker || this.startWorker();
-      const so_far = {printed: "", said: ""};
+      const so_far = {printed: "", said: ""}, started = performance.now();
+      let timer = 0, seconds = 0;
       const late = () => {
         slot.worker.terminate();
         slot.worker = null;
-        slot.stop({...so_far, claim, status: 4, seconds: limit, fault: `no verdict after ${limit} s: a loop that never ends, or code that is very slow`, stack: ""});
+        slot.stop({...so_far, claim, status: 4, seconds, fault: `no verdict after ${seconds} s: a loop that never ends, or code that is very slow`, stack: ""});
       };
-      const timer = setTimeout(late, 1000 * limit);
+      slot.wait = () => {
+        clearTimeout(timer);
+        seconds = limit();
+        timer = setTimeout(late, Math.max(0, started + 1000 * seconds - performance.now()));
+      };
+      slot.wait();
       slot.stop = (result) => {
         slot.stop = null;
         clearTimeout(timer);
