@@ -7,6 +7,9 @@ import glob
 import os
 import shutil
 import tempfile
+import time
+
+TRIES, PAUSE = 40, 0.05  # of removing what processes that are ending still write into
 
 
 def _open_lock(folder):
@@ -51,6 +54,14 @@ def _make(prefix, place):
         os.close(lock)  # before it was locked, another process took it for one that was left
 
 
+def _remove(folder):
+    for _ in range(TRIES):
+        shutil.rmtree(folder, ignore_errors=True)
+        if not os.path.exists(folder):
+            return
+        time.sleep(PAUSE)
+
+
 @contextlib.contextmanager
 def temporary_folder(prefix, place):
     """Gives a folder of this prefix in `place`, and removes it in the end; before that, it removes those that
@@ -60,5 +71,5 @@ def temporary_folder(prefix, place):
     try:
         yield folder
     finally:
-        shutil.rmtree(folder, ignore_errors=True)
+        _remove(folder)
         os.close(lock)
