@@ -4,6 +4,8 @@
 const {spawn} = require("child_process");
 const path = require("path");
 
+const MINUTES_5 = 300000; // what a busy machine may need
+
 // With a mouse, which Chromium without a window lacks, so that nothing shows on pointing at it.
 const MOUSE = "--blink-settings=primaryHoverType=2,availableHoverTypes=2,primaryPointerType=4,availablePointerTypes=4";
 
@@ -48,7 +50,7 @@ class Browser {
   }
   // Until the expression is true; false after five minutes, which a busy machine may need.
   async until(expression) {
-    for (let tenth = 0; tenth < 3000; tenth++) {
+    for (const begun = Date.now(); Date.now() < begun + MINUTES_5;) {
       if (await this.value(expression).catch(() => false)) return true;
       await new Promise((resolve) => setTimeout(resolve, 100));
     }

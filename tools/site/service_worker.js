@@ -17,7 +17,8 @@ async function answer(request) {
   const cache = await caches.open(VERSION), known = await cache.match(request, {ignoreSearch: true});
   if (known) return known;
   const fresh = await fetch(request);
-  if (fresh.ok) await cache.put(request, fresh.clone());
+  const {origin, pathname} = new URL(request.url);
+  if (fresh.ok) await cache.put(origin + pathname, fresh.clone()); // what follows it, as in ?work, changes no file
   return fresh;
 }
 
