@@ -763,7 +763,7 @@ static void flat_long_and_huge_meshes_equal_brute_force(void **state)
         rk_mesh mesh = make_soup(200, 0.3f, 6 + s);
         for (uint32_t i = 0; i < mesh.vertex_count; i++)
             mesh.positions[i] = rk_add(rk_mul(mesh.positions[i], scales[s]), rk_vec(0, 0, 0));
-        uint32_t hits = check_against_brute_force(&mesh, 64, s, CLOSEST | OCCLUSION);
+        uint32_t hits = check_against_brute_force(&mesh, 24, s, CLOSEST | OCCLUSION);
         rk_bvh bvh = build(&mesh);
         check_median(&bvh, &mesh, 0);
         rk_bvh_free(&bvh);
@@ -827,22 +827,20 @@ int __lsan_do_recoverable_leak_check(void) __attribute__((weak));
 static void no_order_of_the_mesh_makes_building_slow(void **state)
 {
     (void)state;
-    /* Sorted, reversed, organ pipe, saw teeth, all equal, shuffled. Few enough that a quadratic
-     * selection ends within seconds, under sanitizers too. Sorting by insertion takes 5.5 to 25
-     * times as long as the C library's sorting of all triangles on each level, 32 times under
+    /* Sorted, reversed, organ pipe, all equal: those at which pivots go wrong. Few enough that a
+     * quadratic selection ends within seconds, under sanitizers too. Sorting by insertion takes 5.5
+     * to 25 times as long as the C library's sorting of all triangles on each level, 32 times under
      * sanitizers; a linear selection an eighth of it, at most three quarters under sanitizers or
      * without optimization, and a unit's own sorting on each level, which is no mistake, up to 5.5
      * times as long under sanitizers. */
-    const uint32_t n = 82000, levels = 15, sorted = 5;
-    const char *names[] = {"sorted",    "reversed",  "rising, then falling",
-                           "saw teeth", "all equal", "shuffled"};
+    const uint32_t n = 82000, levels = 15, sorted = 3, orders = 4;
+    const char *names[] = {"sorted", "reversed", "rising, then falling", "all equal"};
     double times = __lsan_do_recoverable_leak_check ? 8 : 4;
     double limit = times * seconds_to_sort(n, sorted) * levels / sorted;
-    for (int order = 0; order < 6; order++) {
+    for (uint32_t order = 0; order < orders; order++) {
         rk_mesh mesh = make_mesh(n);
         for (uint32_t i = 0; i < n; i++) {
-            const uint32_t x[] = {i,        n - i, i < n / 2 ? i : n - i,
-                                  i % 1000, 0,     rk_case(i, 0, 0, 3) % n};
+            const uint32_t x[] = {i, n - i, i < n / 2 ? i : n - i, 0};
             for (uint32_t k = 0; k < 3; k++)
                 mesh.positions[3 * i + k] =
                     rk_vec((float)x[order], (float)(k == 1), (float)(k == 2));
@@ -874,7 +872,7 @@ static void check_soups(int queries)
     } soups[] = {{1, 1}, {2, 1}, {5, 1}, {50, 0.5f}, {500, 0.2f}, {3000, 0.03f}};
     for (uint32_t i = 0; i < sizeof soups / sizeof *soups; i++) {
         rk_mesh mesh = make_soup(soups[i].triangles, soups[i].size, 20 + i);
-        uint32_t rays = soups[i].triangles < 1000 ? 1000 : 200;
+        uint32_t rays = soups[i].triangles < 100 ? 1000 : 100;
         check_against_brute_force(&mesh, rays, 30 + i, queries);
         rk_mesh_free(&mesh);
     }
