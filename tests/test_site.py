@@ -77,7 +77,8 @@ _FAULTS = {
         "reads 4 bytes of a block of 12 bytes that is freed already",
     "float *volatile p = malloc(12); p[0] = n.x; free(p); free(p); return n;":
         "free is called for memory that is freed already, or that malloc did not return",
-    "const float *volatile p = NULL; return rk_vec(*p, n.x, 0);": "a pointer that is NULL is used",
+    "const float *volatile p = NULL; return rk_vec(*p, n.x, 0);":
+        "reads 4 bytes by a pointer that is NULL, or almost",
     "float p[5] = {n.x}; float *volatile q = p; q[5] = 1; return rk_vec(p[2], 0, 0);":
         "writes 4 bytes just outside of a variable",
     "float p[3] = {n.x, n.y, n.z}; volatile int i = 3; return rk_vec(p[i], 0, 0);":
@@ -95,7 +96,7 @@ _FAULTS = {
     "float *p = malloc(12); if (!p) return n; p[0] = n.x; float y = p[5]; free(p); return rk_vec(y, 0, 0);":
         "reads 4 bytes, 8 bytes beyond the end of a block of 12 bytes that malloc gave",
     "rk_vec3 *p = malloc(8); if (!p) return n; volatile float y = p->z; free(p); return rk_vec(y, 0, 0);":
-        "bytes of a block of 8 bytes that malloc gave, too few",
+        "reads 4 bytes beyond the end of a block of 8 bytes that malloc gave",
     "int i = 0; float s = 0; while (i < 3) s += n.x; return rk_vec(s, 0, 0);":
         "no verdict after 2 s: a loop that never ends, or code that is very slow",
 }

@@ -28,9 +28,13 @@ enum { no_read = 1, no_write = 2, untouched = 4, has_poison = 8 };
 /* A bit for each byte, and so many more that the last one's word can be read. */
 enum { poison_size = page_size / 8 + sizeof(uint32_t) };
 
-/* Made when an instance begins: an object file would hold all of their zeros. */
-static uint8_t *state_of;   /* of each page */
-static uint8_t **poison_of; /* of each page that has_poison */
+/* The lowest addresses, as toolchain.mjs links: the stack, what is known of variables on it, and
+ * the state of each page, both at constant addresses, since every access asks for them. */
+static const uintptr_t stack_end = 8 << 20;
+static int8_t *const margins = (int8_t *)(8 << 20);
+static const size_t known_bytes = (size_t)256 << 20;
+static uint8_t *const state_of = (uint8_t *)(40 << 20);
+static uint8_t **poison_of; /* of each page that has_poison; made when an instance begins */
 
 void *__real_malloc(size_t size);
 void *__real_aligned_alloc(size_t alignment, size_t size);
@@ -52,9 +56,8 @@ static char *grow(size_t size)
  * caught, too. */
 __attribute__((constructor(1))) static void begin(void)
 {
-    if (state_of) /* a constructor that registers globals came first */
+    if (poison_of) /* a constructor that registers globals came first */
         return;
-    state_of = (uint8_t *)grow(page_count);
     poison_of = (uint8_t **)(void *)grow(page_count * sizeof *poison_of);
     state_of[0] = no_read | no_write;
 }
@@ -225,11 +228,7 @@ void *__wrap_realloc(void *old, size_t size)
 
 /* What the code of units writes beside its variables: 0 for 8 bytes that may be used, 1 to 7 if
  * only so many may, else a negative number. */
-static const uintptr_t stack_end = 8 << 20;
-static const int8_t *const margins = (const int8_t *)(8 << 20);
-static const size_t known_bytes = (size_t)256 << 20;
-
-static bool is_beside_variable(uintptr_t at, size_t size)
+static __attribute__((noinline)) bool is_beside_variable(uintptr_t at, size_t size)
 {
     for (uintptr_t i = at; i < at + size; i = (i | 7) + 1) {
         uintptr_t end = (i | 7) < at + size ? (i | 7) + 1 : at + size;
@@ -286,16 +285,14 @@ static void tell_block(char *text, size_t length, uintptr_t at)
         snprintf(text, length, " of a block of %zu bytes that malloc gave, too few", b->size);
 }
 
-/* Of what is done, such as "reads", with so many bytes; 0: not known how many. */
-static _Noreturn void wrong_access(const char *what, uintptr_t at, size_t size, const char *place,
-                                   int line)
+static _Noreturn void report(bool writes, uintptr_t at, size_t size)
 {
     if (at < page_size &&
         (uintptr_t)__builtin_frame_address(0) < 2 * page_size) { /* its end is at 0 */
-        site_fault("the stack is used up: does a function call itself for ever?", place, line);
+        site_fault("the stack is used up: does a function call itself for ever?", "", 0);
         __builtin_trap();
     }
-    char text[400], bytes[40] = "", where[200] = " of memory that is not its own";
+    char text[400], where[200] = " of memory that is not its own";
     const block *b = block_near(blocks, at);
     uintptr_t end = b ? start_of(b) + b->size : 0;
     if (at < end && at + size > end) { /* the part that is beyond it */
@@ -309,62 +306,10 @@ static _Noreturn void wrong_access(const char *what, uintptr_t at, size_t size, 
                  " just outside of a variable, or of one that is gone with its block");
     else
         tell_block(where, sizeof where, at);
-    if (size > 0)
-        snprintf(bytes, sizeof bytes, " %zu byte%s", size, size == 1 ? "" : "s");
-    snprintf(text, sizeof text, "%s%s%s", what, bytes, where);
-    site_fault(text, place, line);
+    snprintf(text, sizeof text, "%s %zu byte%s%s", writes ? "writes" : "reads", size,
+             size == 1 ? "" : "s", where);
+    site_fault(text, "", 0);
     __builtin_trap();
-}
-
-static _Noreturn void report(bool writes, uintptr_t at, size_t size)
-{
-    wrong_access(writes ? "writes" : "reads", at, size, "", 0);
-}
-
-/* What clang's checks for undefined behaviour call (undefined.c has the others): a pointer that is
- * NULL, or not aligned, or to memory of which the compiler knows that it is too small. */
-typedef struct mismatch {
-    const char *file;
-    uint32_t line, column;
-    const struct type {
-        uint16_t kind, info;
-        char name[];
-    } * type;
-    uint8_t log_alignment, access;
-} mismatch;
-
-enum { integer = 0, floating_point = 1 }; /* kinds of types */
-enum { load = 0, store = 1 };             /* accesses; others have no size */
-
-/* Of a number; 0 for another type. */
-static size_t size_of(const struct type *type)
-{
-    if (type->kind == integer)
-        return ((size_t)1 << (type->info >> 1)) / 8;
-    return type->kind == floating_point ? type->info / 8u : 0;
-}
-
-_Noreturn void __ubsan_handle_type_mismatch_v1_abort(const mismatch *found, uintptr_t pointer);
-void __ubsan_handle_type_mismatch_v1_abort(const mismatch *found, uintptr_t pointer)
-{
-    const char *file = found->file;
-    const int line = (int)found->line;
-    char part[120];
-    if (pointer == 0) {
-        site_fault("a pointer that is NULL is used", file, line);
-        __builtin_trap();
-    }
-    if (pointer % ((uintptr_t)1 << found->log_alignment) != 0) {
-        site_fault("a pointer is used whose address its type cannot have (it is not aligned)", file,
-                   line);
-        __builtin_trap();
-    }
-    size_t size = found->access <= store ? size_of(found->type) : 0;
-    snprintf(part, sizeof part, "uses, as %.80s, bytes", found->type->name);
-    wrong_access(size == 0                ? part
-                 : found->access == store ? "writes"
-                                          : "reads",
-                 pointer, size, file, line);
 }
 
 /* A handler may open the page, and may close it again. */
@@ -401,7 +346,8 @@ static __attribute__((noinline)) void look(uintptr_t at, size_t size, bool write
 /* Of up to 16 bytes: most are in one page, whose bits a word has. */
 static inline void check(uintptr_t at, size_t size, bool writes)
 {
-    if (at < stack_end && is_beside_variable(at, size))
+    if (at < stack_end && (margins[at / 8] != 0 || at % 8 + size > 8) &&
+        is_beside_variable(at, size))
         report(writes, at, size);
     size_t first = at % page_size;
     uint8_t state = state_of[at >> page_bits];

@@ -1,5 +1,5 @@
 /* What clang's checks for undefined behaviour (-fsanitize=undefined, without recovery) call: each
- * tells which kind of it, and where. Those of pointers are in memory.c. */
+ * tells which kind of it, and where. */
 #include "page.h"
 
 #include <stdint.h>
@@ -45,7 +45,8 @@ CHECK(load_invalid_value, ONE_VALUE,
       "a value is none that its type has, such as a bool that is neither 0 nor 1")
 CHECK(float_cast_overflow, ONE_VALUE,
       "a number is outside of the range of the type that it is converted to")
-CHECK(pointer_overflow, TWO_VALUES, "a pointer is moved beyond the end of memory")
+CHECK(type_mismatch_v1, ONE_VALUE,
+      "a pointer is used whose address its type cannot have (it is not aligned)")
 CHECK(alignment_assumption, THREE_VALUES,
       "a pointer has not the alignment that the code says it has")
 CHECK(invalid_builtin, NO_VALUE, "a built-in function has no value for 0")
