@@ -27,7 +27,7 @@ const COLOURS = HighlightStyle.define([
 const LOOK = EditorView.theme({
   "&": {height: "100%", border: "1px solid color-mix(in srgb, currentcolor 40%, transparent)"},
   "&.cm-focused": {outline: "2px solid Highlight"},
-  ".cm-scroller": {font: "14px/1.45 'DejaVu Sans Mono', monospace"},
+  ".cm-scroller": {font: "var(--size)/1.45 'DejaVu Sans Mono', monospace"},
   ".cm-content": {caretColor: "CanvasText"},
   ".cm-cursor": {borderLeftColor: "CanvasText"},
   ".cm-gutters": {color: "inherit", backgroundColor: "Canvas", borderRight: "none", opacity: ".75"},
