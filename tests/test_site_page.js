@@ -35,7 +35,7 @@ async function type(browser, text) {
   })()`);
   await browser.press("a");
   await browser.insert(text);
-  await browser.until(`/claims hold|found an error|does not go on/.test(document.getElementById("state").textContent)`);
+  await browser.until(`/claims hold|found an error|is empty|does not go on/.test(document.getElementById("state").textContent)`);
   return JSON.parse(await browser.value(`JSON.stringify({
     state: document.getElementById("state").textContent, said: document.getElementById("said").textContent,
     seconds: document.getElementById("seconds").textContent,
@@ -386,9 +386,22 @@ async function mistakes(browser) {
   const [, line] = place[0].match(/^test_normals\.c, line (\d+)$/) || [];
   check(line && place[1].trimEnd() === fs.readFileSync(`${source}/tests/test_normals.c`, "utf8").split("\n")[line - 1] && place[2], "the place of a claim that fails leads to the suite's line", place.join("\n"));
   await warnings(browser, text);
+  const printing = await type(browser, `#include <stdio.h>\n${text.replace("return rk_vec(0.5f", "if (n.x == 1)\n        printf(\"two\\nlines\\n\");\n    return rk_vec(0.5f")}`);
+  const printed = await browser.value(`[document.querySelector("#printed:not([hidden]) summary").textContent, document.querySelector("#printed pre").textContent]`);
+  check(/^(\d+) of \1 claims/.test(printing.state) && /^Your code printed \d+ lines$/.test(printed[0]) && printed[1].startsWith("two\nlines\n"),
+    "what was printed can be unfolded where all claims hold", `${printing.state}\n${printed.join("\n")}`);
   const broken = await type(browser, text.replace("return rk_vec(0.5f", "retrun rk_vec(0.5f"));
   check(/normals\.c:\d+:\d+: error/.test(broken.said), "a compiler's error names the line", JSON.stringify(broken, null, 1));
   check(/^The compiler found an error.*line \d+$/s.test(broken.first), "and stands where it is seen first", broken.first);
+  await browser.insert(" ");
+  const old = await browser.value(`new Promise((resolve) => {
+    const check = () => document.querySelector("#first.old") ? resolve(["first", "compiler"].map((box) => getComputedStyle(document.querySelector("#" + box + " > strong"), "::after").content)) : setTimeout(check, 1);
+    check();
+  })`);
+  check(old.every((said) => /from before your last change/.test(said)), "while a text is compiled, the error of the text before says so in words", old.join("\n"));
+  await browser.until(`!document.querySelector("#first.old")`);
+  const empty = await type(browser, " ");
+  check(empty.state === "The file is empty" && /^The file is empty.*"Start over"/.test(empty.first), "of an empty file it is said how the starter comes back", `${empty.state}\n${empty.first}`);
   const open = await type(browser, text.replace("return rk_vec(0.5f", "if (n.x > 2) {\n    return rk_vec(0.5f"));
   check(/line \d+: note: to match this '\{'/.test(open.first), "with the compiler's notes", open.first);
   const loop = await type(browser, text.replace("return rk_vec(0.5f", "for (volatile int k = 0; k < 2; k = 0) { }\n    return rk_vec(0.5f"));

@@ -9,7 +9,7 @@ import {unpacked} from "./packed.mjs";
 import {Pixel} from "./pixel.mjs";
 import {UNWRITTEN, said_of_wanted, show_said, show_undrawn} from "./said.mjs";
 import {place_in_suite, show_task} from "./task.mjs";
-import {Verdicts} from "./verdicts.mjs";
+import {Verdicts, show_box} from "./verdicts.mjs";
 import {Work} from "./work.mjs";
 
 const PAUSE = 300; // milliseconds without a key after which a text is checked
@@ -17,7 +17,7 @@ const PAUSE = 300; // milliseconds without a key after which a text is checked
 const stem = location.search.slice(1).match(/^[a-z_]+/)?.[0] || "normals";
 
 const worker = new Worker(new URL("check_worker.mjs", import.meta.url), {type: "module"});
-let id = 0, timer = null, typed = 0, is_loaded = false, starter = "", task = null, verdicts = null, course = [], findings = [], chosen = null, seen = "", drawable = [];
+let id = 0, timer = null, typed = 0, is_loaded = false, starter = "", task = null, verdicts = null, course = [], findings = [], chosen = null, seen = "", drawable = [], is_empty = false;
 
 const editor = new Editor(shown("text"), "your code, in C", () => {
   clearTimeout(timer);
@@ -54,8 +54,10 @@ function check() {
   shown("state").textContent = is_loaded ? "Checking" : "Loading the compiler";
   shown("drawn").textContent = "";
   if (!shown("pictures").classList.contains("old")) shown("whose").textContent += ", from before your last change";
-  for (const name of ["first", "pictures", "steps"]) shown(name).classList.add("old");
-  worker.postMessage({id: ++id, text: editor.text(), others: others()});
+  for (const name of ["first", "compiler", "pictures", "steps"]) shown(name).classList.add("old");
+  const text = editor.text();
+  is_empty = !text.trim();
+  worker.postMessage({id: ++id, text, others: others()});
 }
 
 // --- Verdicts ---
@@ -142,6 +144,7 @@ function next() {
 function show_end({starters, ...seconds}) {
   const {passed, names: {length: all}} = verdicts, after = ((performance.now() - typed) / 1000).toFixed(2);
   verdicts.show_solved();
+  verdicts.show_printed();
   verdicts.show_unwritten(task.steps.map(({number}) => number).filter(is_unwritten));
   if (!work.save({passed, claims: all})) no_room();
   const needed = starters.length ? [`. It needs ${starters.join(" and ")}, still the starter: solve that first`] : [];
@@ -150,6 +153,12 @@ function show_end({starters, ...seconds}) {
     Object.entries(seconds).filter(([, value]) => value !== undefined).map(([part, value]) => `${part} ${value.toFixed(2)} s`).join(", ");
   const step = show_first();
   worker.postMessage({id, draw: chosen || step});
+}
+
+// That the text is not built is said below the head as well, unless it is no text.
+function show_unbuilt() {
+  shown("state").textContent = is_empty ? "The file is empty" : "The compiler found an error";
+  if (is_empty) show_box("The file is empty", "\"Start over\", at the top of this page, brings the starter back.", "");
 }
 
 // Buttons for each step's picture, and for the one to work on.
@@ -179,7 +188,7 @@ worker.onmessage = ({data}) => {
     findings = show_said(data.said, data.built, place_of).filter(({file}) => file === `${stem}.c`)
       .map(({severity, ...finding}) => ({...finding, severity: severity === "note" ? "info" : severity}));
     editor.mark(findings);
-    if (!data.built) shown("state").textContent = "The compiler found an error";
+    if (!data.built) show_unbuilt();
   }
   if (data.verdict) {
     verdicts.put(data.verdict);

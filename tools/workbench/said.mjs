@@ -35,6 +35,7 @@ export function show_said(words, is_built, place_of) {
   shown("said").textContent = said;
   shown("said").parentElement.open = !is_built;
   shown("compiler").hidden = !said;
+  shown("compiler").classList.remove("old");
   if (!is_built) {
     const errors = findings.filter(({severity}) => severity === "error"), first = errors.find(({message}) => message === UNCLOSED) || errors[0];
     const rest = findings.slice(findings.indexOf(first) + 1), {file, line, message} = first || {message: said.trim()};

@@ -87,6 +87,15 @@ export class Verdicts {
     for (const {number, points} of this.task.steps) shown(`step-${number}`).querySelector(".points").textContent = `${points} points${numbers.includes(number) ? ", not written yet" : ""}`;
   }
 
+  // What the unit printed, in all claims, in the order of work.
+  show_printed() {
+    const all = this.names.map((name) => this.#told.get(name)).filter((told) => told?.printed);
+    const lines = all.reduce((sum, {printed}) => sum + printed.trimEnd().split("\n").length, 0);
+    shown("printed").hidden = !lines;
+    shown("printed").replaceChildren(made("summary", {textContent: `Your code printed ${lines} line${lines === 1 ? "" : "s"}`}),
+      ...all.flatMap(({claim, printed}) => [made("p", {textContent: `${sentence(claim)}:`}), printed_in(printed)]));
+  }
+
   show_solved() {
     for (const {number, claims} of this.task.steps) shown(`step-${number}`).classList.toggle("solved", claims.every((name) => this.holds(name)));
   }
