@@ -11,7 +11,7 @@ import {Checker} from "./checker.mjs";
 import {Drawer, sized} from "./drawer.mjs";
 import {Others} from "./others.mjs";
 import {unpacked} from "./packed.mjs";
-import {Toolchain} from "./toolchain.mjs";
+import {TRACED, Toolchain} from "./toolchain.mjs";
 
 const LIMIT = 10; // seconds for a claim
 const SHORT_LIMIT = 1; // after LATE_CLAIMS that did not end: a loop that the others run into as well
@@ -142,12 +142,25 @@ async function check({id, text, others}) {
   }
   const started = performance.now(), module = await WebAssembly.compile(suite);
   if (id !== latest) return;
-  let late = 0;
+  let late = 0, unended = null;
   await checker.run(module, suite, claims, () => late < LATE_CLAIMS ? LIMIT : SHORT_LIMIT, (verdict) => {
-    late += verdict.seconds >= LIMIT;
+    if (verdict.seconds >= LIMIT) late++, unended ??= verdict;
     postMessage({id, verdict});
   });
   if (id === latest) postMessage({id, ends: {...seconds, starters, run: (performance.now() - started) / 1000}});
+  if (id === latest && unended) await locate(id, unended);
+}
+
+// Says where in the unit a claim is that did not end: it runs again, and stops there after some seconds (memory.c).
+async function locate(id, unended) {
+  const {checker, stem} = kit, others = await loaded();
+  if (id !== latest) return;
+  const {object} = checker.compile(stem, texts.text, TRACED), {bytes: suite} = others.suite(stem, object, texts.others);
+  const module = await WebAssembly.compile(suite);
+  if (id !== latest) return;
+  await checker.run(module, suite, [unended.claim], () => LIMIT, ({place}) => {
+    if (place.startsWith(`${stem}.c:`)) postMessage({id, verdict: {...unended, place, message: `${unended.message}; run again, it was here after 5 s`}});
+  });
 }
 
 async function answer(data) {

@@ -17,9 +17,9 @@ export class Checker {
 
   // Returns {object, said, seconds}; said: the compiler's warnings and errors, which name the file STEM.c; object is
   // null if there are errors.
-  compile(stem, text) {
+  compile(stem, text, flags = []) {
     const started = performance.now(), name = `${stem}.c`;
-    const {object, said} = this.toolchain.compile({src: this.kit.headers, [name]: text}, name, {include: ["src"], unit: true, warnings: true});
+    const {object, said} = this.toolchain.compile({src: this.kit.headers, [name]: text}, name, {include: ["src"], unit: true, warnings: true, flags});
     return {object, said, seconds: (performance.now() - started) / 1000};
   }
 

@@ -32,6 +32,8 @@ const FILL = ["-ftrivial-auto-var-init=pattern", "-include", "base/filled.h"];
 const LOOPS = ["-fno-finite-loops"];
 // What an integer is made of that it has no room for has some value, the nearest that there is, and no other at each use.
 const CASTS = ["-fno-strict-float-cast-overflow"];
+// For a unit that does not end: memory.c has what it calls at each branch.
+export const TRACED = ["-fsanitize-coverage-type=3", "-fsanitize-coverage-trace-pc", "-fsanitize-coverage-no-prune"];
 const OF_KIT = ["-mllvm", "-asan-stack=0"];
 // What objects depend on besides their sources.
 export const OBJECT_FLAGS = [TARGET, LANGUAGE, OPTIMIZE, LINES, [...ADDRESSES, ...OF_KIT, ...UNDEFINED]];

@@ -193,8 +193,9 @@ worker.onmessage = ({data}) => {
   if (data.verdict) {
     verdicts.put(data.verdict);
     shown("state").textContent = `Checking: ${verdicts.size} of ${verdicts.names.length}`;
-    if (verdicts.first && verdicts.first.claim !== seen) show_first();
-    seen = verdicts.first?.claim;
+    const {claim, place} = verdicts.first || {};
+    if (claim && `${claim} ${place}` !== seen) show_first();
+    seen = `${claim} ${place}`;
   }
   if (data.ends && data.ends.run !== undefined) show_end(data.ends);
   if (data.drawn) show_drawn(data.drawn);
