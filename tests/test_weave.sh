@@ -551,7 +551,7 @@ END
             printf '## Sizes\n\n'
             lines 50
         done
-        printf '## Last {#last}\n\nA short one about refraction.\n\n| what | how |\n|---|---|\n| a pyramid | of pixels |\n| teapot, ms | 123.4 567.8 |\n'
+        printf '## Last quarter {#last}\n\nA short one about refraction.\n\n| what | how |\n|---|---|\n| a pyramid | of pixels |\n| teapot, ms | 123.4 567.8 |\n'
     } >"$long"
     weaves() { # weaves [NAME=VALUE...]: the book
         env RAYKIT_SOURCE="$folder/texts" RAYKIT_BUILD="$folder/build" RAYKIT_DRIVERS="$folder" RAYKIT_VERSION=0 PANDOC="$pandoc" \
@@ -595,6 +595,9 @@ END
         [ "$(looks_up 'pyram pixels')" = 'long-sizes.html#last-p2 a pyramid; of pixels' ] && [ "$(looks_up rk_quarter)" = 'two.html#code-rk_quarter ' ] &&
             [ "$(looks_up 'unit disk')" = 'glossary.html#term-unit-disk ' ] && [ -z "$(looks_up teapot)" ]
         verdict rows_of_words_functions_and_terms_are_found
+
+        [ "$(looks_up quarter)" = 'long-sizes.html#last ' ]
+        verdict a_section_comes_before_a_function_with_its_word
 
         tr '\n' ' ' <"$pages/house.html" | grep -q '</p> *<figure class="picture sketch"[^>]*> *<svg .*</svg> *<figcaption class="caption">.*<span id="[^"]*" class="at"></span>.*Its rooms.*</figcaption> *</figure>'
         verdict figures_are_whole_where_their_captions_have_names

@@ -15,9 +15,10 @@ const {sections, entries} = JSON.parse(fs.readFileSync(0, "utf8"));
 const search = new MiniSearch(options);
 search.addAll(entries);
 
-// Words may be beginnings, or have a wrong letter, from six letters on two, as two that are swapped. Places with all of them, if there are any.
+// Chapters, then sections, come before functions and tests of which a word is a part. Words may be beginnings, or have a wrong letter, from six letters on two, as two that are swapped. Places with all of them, if there are any.
 function find(search, words) {
-  const options = {prefix: true, fuzzy: (word) => word.length > 5 ? 2 : word.length > 3 ? 1 : 0, boost: {title: 3}};
+  const options = {prefix: true, fuzzy: (word) => word.length > 5 ? 2 : word.length > 3 ? 1 : 0, boost: {title: 3},
+    boostDocument: (id, term, {kind}) => ({chapter: 4, section: 2})[kind] || 1};
   const found = search.search(words, {...options, combineWith: "AND"});
   return found.length ? found : search.search(words, options);
 }
