@@ -40,8 +40,9 @@ class Maker {
     const {object, said} = this.toolchain.compile({...this.headers, ...beside, [name]: text}, name,
       {include: this.include, flags: this.flags, checks, lines});
     if (!object) throw new ToolError(`${file} does not compile:\n${said}`);
-    fs.writeFileSync(`${stored}.part`, object);
-    fs.renameSync(`${stored}.part`, stored);
+    const part = `${stored}.${process.pid}.part`; // sites of several courses may be made at once
+    fs.writeFileSync(part, object);
+    fs.renameSync(part, stored);
     return object;
   }
 
