@@ -3,8 +3,8 @@
 #include "test_scene.h"
 #include "test_soup.h"
 
-#include "accel/trace.h"
-#include "accel/tree.h"
+#include "accel/query/trace.h"
+#include "accel/query/tree.h"
 #include "features/watertight.h"
 #include "scene/bvh_build.h"
 

@@ -2,7 +2,7 @@
 #include "test.h"
 #include "test_scene.h"
 
-#include "accel/crossings.h"
+#include "accel/query/crossings.h"
 #include "base/random.h"
 #include "features/watertight.h"
 #include "scene/bvh_build.h"

@@ -2,7 +2,7 @@
  * that nothing is drawn where nothing is rough. */
 #include "test_scene.h"
 
-#include "accel/trace.h"
+#include "accel/query/trace.h"
 
 static const double pi = 3.14159265358979323846;
 

@@ -368,7 +368,7 @@ def what_the_kit_has_in_common_is_told(pack):
               f"a step of {stem} in other words is found in {name}", steps)
     lens, glossy = FEATURES["depth_of_field"], FEATURES["glossy_reflection"]
     said = "\n".join(leak_check.prove(SOURCE, pack, FEATURES, [FEATURE]))
-    check("src/accel/tree.c:" in said and "in other words" in said, "the packing says so", said)
+    check("src/accel/query/tree.c:" in said and "in other words" in said, "the packing says so", said)
     alike = ("depth_of_field", "a step", "src/features/glossy_reflection.c", "static rk_vec2 concentric(")
     with mock.patch.object(leak_check, "SAME_STEPS", [alike]):
         check(leak_check.steps_elsewhere(SOURCE, [lens]), "what another feature's solution tells is found")

@@ -24,7 +24,7 @@ from grading.assignments import ToolError  # noqa: E402
 import grade  # noqa: E402
 
 CONFIGURED_FROM = ("Makefile.in", "GNUmakefile", "raykit.pc.in", "features.am", "configure", "build-aux",
-                   "src/base/vec3.h", "src/accel/machine.h")
+                   "src/base/vec3.h", "src/accel/kernel/machine.h")
 OLD_PYTHON = 'case $1 in --version) echo Python 3.9.18 ;; *) exit 1 ;; esac'
 LATER_PYTHON = 'case $1 in --version) echo Python 3.14.1 ;; -c) ;; esac'
 OLD_PANDOC = 'echo pandoc 2.9.2.1'

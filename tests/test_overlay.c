@@ -2,8 +2,8 @@
  * any input; and the single rays that drivers draw. */
 #include "test_scene.h"
 
-#include "accel/trace.h"
-#include "accel/trace_one.h"
+#include "accel/query/trace.h"
+#include "accel/query/trace_one.h"
 #include "driver/overlay.h"
 
 /* A black picture of the scene, ready to draw on. */

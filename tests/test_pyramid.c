@@ -3,8 +3,8 @@
 #include "test.h"
 #include "test_scene.h"
 
-#include "accel/pyramid.h"
-#include "accel/trace.h"
+#include "accel/query/pyramid.h"
+#include "accel/query/trace.h"
 #include "base/random.h"
 
 static float noise(uint32_t a, uint32_t b, uint32_t c)

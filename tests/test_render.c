@@ -2,7 +2,7 @@
  * the same for any threads, and its counters as proof that nothing needless is done. */
 #include "test_scene.h"
 
-#include "accel/trace_one.h"
+#include "accel/query/trace_one.h"
 #include "render/rendering.h"
 #include "render/stages/camera_stage.h"
 #include "render/stages/shade_stage.h"

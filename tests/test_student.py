@@ -516,7 +516,7 @@ def drivers_are_built_alone(pack):
     check(told.startswith(f"run {path} (--help lists its options); units: workbook") and OTHER not in told,
           "the driver's command is told, without a list of units that are all in one folder", said)
     sets = ("avx512", "avx2", "sse2", "scalar")
-    compiled = [isa for isa in sets if " kernel\n" in run(pack, "nm", f"src/accel/wide_{isa}.o")[1]]
+    compiled = [isa for isa in sets if " kernel\n" in run(pack, "nm", f"src/accel/kernel/wide_{isa}.o")[1]]
     small = ("--width", "8", "--height", "8", "--quiet", "--out", os.path.join(pack, "small"))
     taken = {place: [isa for isa in sets if run(place, "env", f"RAYKIT_ISA={isa}", where, *small)[0] == 0]
              for place, where in ((pack, driver), (".", "assignments/00_normals/normals"))}

@@ -3,8 +3,8 @@
 #include "test_scene.h"
 #include "test_soup.h"
 
-#include "accel/trace.h"
-#include "accel/trace_moving.h"
+#include "accel/query/trace.h"
+#include "accel/query/trace_moving.h"
 #include "features/bvh_median.h"
 
 static const char *const names[] = {"moving", "statue:967", "cover:500", "spheres"};

@@ -7,7 +7,7 @@
 
 /* Most of the traversal is not called here. */
 #pragma GCC diagnostic ignored "-Wunused-function"
-#include "accel/wide_trace.h"
+#include "accel/kernel/wide_trace.h"
 
 enum {
     corner_a = 0,

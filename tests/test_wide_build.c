@@ -3,7 +3,7 @@
 #include "test_scene.h"
 #include "test_soup.h"
 
-#include "accel/wide_build.h"
+#include "accel/build/wide_build.h"
 
 static rk_wide_bvh build(const rk_mesh *mesh, rk_build_quality quality, rk_pool *pool)
 {

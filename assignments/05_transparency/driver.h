@@ -2,7 +2,7 @@
 #ifndef RK_05_TRANSPARENCY_DRIVER_H
 #define RK_05_TRANSPARENCY_DRIVER_H
 
-#include "accel/crossings.h"
+#include "accel/query/crossings.h"
 #include "driver/driver_main.h"
 #include "driver/side_view.h"
 #include "render/stages/transparency_stage.h"

@@ -2,7 +2,7 @@
  * disk. */
 #include "driver.h"
 
-#include "accel/trace_one.h"
+#include "accel/query/trace_one.h"
 #include "render/stages/glossy_reflection_stage.h"
 #include "render/stages/reflection_stage.h"
 

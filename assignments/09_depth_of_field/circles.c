@@ -2,7 +2,7 @@
  * surfaces that the middle column of the picture shows. */
 #include "driver.h"
 
-#include "accel/trace_one.h"
+#include "accel/query/trace_one.h"
 #include "driver/number_row.h"
 
 /* Up to one and a half times the camera's distance from its target. */

@@ -1,7 +1,7 @@
 /* The debug views: the ambient visibility alone, and a pixel's rays from beside the camera. */
 #include "driver.h"
 
-#include "accel/trace_one.h"
+#include "accel/query/trace_one.h"
 
 static const rk_vec3 white = {1, 1, 1}, purple = {0.5f, 0.05f, 0.6f};
 

@@ -1,7 +1,7 @@
 /* The rays of --steps: the same in both orders, so that all steps can be compared. */
 #include "driver.h"
 
-#include "accel/trace.h"
+#include "accel/query/trace.h"
 #include "base/random.h"
 #include "features/ambient_occlusion.h"
 

@@ -3,7 +3,7 @@
  * step that finds other hits is left out. */
 #include "driver.h"
 
-#include "accel/trace.h"
+#include "accel/query/trace.h"
 #include "base/random.h"
 #include "features/wide_bvh.h"
 

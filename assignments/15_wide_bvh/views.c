@@ -1,7 +1,7 @@
 /* The debug views: pieces of the wide tree, and the nodes that each camera ray visits. */
 #include "driver.h"
 
-#include "accel/trace.h"
+#include "accel/query/trace.h"
 
 #include <stdio.h>
 

@@ -3,8 +3,8 @@
  * them. */
 #include "accel/accel.h"
 
-#include "accel/wide_build.h"
-#include "accel/wide_kernel.h"
+#include "accel/build/wide_build.h"
+#include "accel/kernel/wide_kernel.h"
 #include "features/bvh_median.h"
 #include "features/sah_binning.h"
 #include "features/wide_bvh.h"

@@ -1,4 +1,4 @@
-/* The acceleration structure, built once and traced in batches (accel/trace.h). */
+/* The acceleration structure, built once and traced in batches (accel/query/trace.h). */
 #ifndef RK_ACCEL_H
 #define RK_ACCEL_H
 

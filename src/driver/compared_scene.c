@@ -3,7 +3,7 @@
  * are a region of their own. */
 #include "driver/compared_scene.h"
 
-#include "accel/trace_one.h"
+#include "accel/query/trace_one.h"
 #include "features/motion_blur.h"
 #include "scenes/builtin.h"
 

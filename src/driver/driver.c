@@ -2,7 +2,7 @@
  * as a starter's, is replaced by the wide tree, with a note. */
 #include "driver/driver.h"
 
-#include "accel/tree.h"
+#include "accel/query/tree.h"
 #include "driver/driver_team.h"
 #include "driver/explain_pixel.h"
 #include "driver/unsolved.h"

@@ -2,7 +2,7 @@
  * intersected by the pixels' own rays, so that they agree with the scene to the bit. */
 #include "driver/overlay.h"
 
-#include "accel/trace.h"
+#include "accel/query/trace.h"
 #include "base/box.h"
 #include "features/watertight.h"
 

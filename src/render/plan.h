@@ -27,7 +27,7 @@ typedef enum rk_highlight_sampling {
 typedef enum rk_light_visibility_method {
     RK_LIGHT_RAYS,     /* all of them */
     RK_LIGHT_PYRAMIDS, /* not those of points between which and the light there is no surface:
-                          accel/pyramid.h */
+                          accel/query/pyramid.h */
 } rk_light_visibility_method;
 
 /* Sampling of lights with an extent. */

@@ -3,7 +3,7 @@
  * its number of instructions with that of rk_render for the same picture. */
 #include "render/render.h"
 
-#include "accel/trace.h"
+#include "accel/query/trace.h"
 #include "scene/surface.h"
 #include "scenes/builtin.h"
 

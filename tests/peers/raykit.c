@@ -2,7 +2,7 @@
  */
 #include "engine.h"
 
-#include "accel/trace.h"
+#include "accel/query/trace.h"
 #include "base/table.h"
 #include "driver/driver.h"
 

@@ -1,6 +1,6 @@
 #include "rays.h"
 
-#include "accel/trace.h"
+#include "accel/query/trace.h"
 #include "base/random.h"
 #include "features/ambient_occlusion.h"
 #include "features/parallelogram_light.h"

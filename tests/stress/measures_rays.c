@@ -1,7 +1,7 @@
 /* Rays against boxes, spheres and triangles, by public functions only. */
 #include "measure.h"
 
-#include "accel/wide_kernel.h"
+#include "accel/kernel/wide_kernel.h"
 #include "base/box.h"
 #include "base/interpolate.h"
 #include "base/random.h"

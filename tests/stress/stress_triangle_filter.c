@@ -5,7 +5,7 @@
  * and triangle. */
 #include "../test.h"
 
-#include "accel/wide_kernel.h"
+#include "accel/kernel/wide_kernel.h"
 #include "base/random.h"
 #include "features/watertight.h"
 

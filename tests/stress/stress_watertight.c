@@ -7,8 +7,8 @@
 
 #include "../closed_mesh.h"
 #include "../test_scene.h"
-#include "accel/crossings.h"
-#include "accel/wide_kernel.h"
+#include "accel/kernel/wide_kernel.h"
+#include "accel/query/crossings.h"
 #include "features/bvh_median.h"
 #include "features/wide_bvh.h"
 

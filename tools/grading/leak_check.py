@@ -17,15 +17,16 @@ from grading.starters import solution_lines, starter_of
 # The same steps in other words, which no comparison of lines finds. (feature, its step, file, the line
 # of that file where it begins)
 SAME_STEPS = [
-    ("bvh_median", "step 4, the traversal, for all leaves on the way", "src/accel/tree.c",
+    ("bvh_median", "step 4, the traversal, for all leaves on the way", "src/accel/query/tree.c",
      "static void visit_binary_leaves("),
     ("bvh_median", "step 4, the traversal, step by step to look at", "assignments/01_bvh_median/traversal.c",
      "static void visit("),
-    ("wide_bvh", "step 2, the blocks, straight from the mesh", "src/accel/wide_build.c",
+    ("wide_bvh", "step 2, the blocks, straight from the mesh", "src/accel/build/wide_build.c",
      "static void fill_block("),
-    ("wide_bvh", "step 3, the order, by vectors", "src/accel/wide_boxes.h",
+    ("wide_bvh", "step 3, the order, by vectors", "src/accel/kernel/wide_boxes.h",
      "RK_INLINE uint32_t push_children("),
-    ("wide_bvh", "step 4, any hit, by vectors", "src/accel/wide_single.h", "RK_INLINE bool block_occludes("),
+    ("wide_bvh", "step 4, any hit, by vectors", "src/accel/kernel/wide_single.h",
+     "RK_INLINE bool block_occludes("),
     ("shading", "steps 2, 3 and 5, in double, to compare with", "tests/test_shading.c",
      "static double exact_highlight("),
     ("parallelogram_light", "step 2, in double, to integrate", "tests/test_parallelogram_light.c",

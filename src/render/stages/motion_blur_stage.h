@@ -5,7 +5,7 @@
 #ifndef RK_RENDER_STAGES_MOTION_BLUR_STAGE_H
 #define RK_RENDER_STAGES_MOTION_BLUR_STAGE_H
 
-#include "accel/ray_times.h"
+#include "accel/query/ray_times.h"
 #include "render/feature.h"
 #include "render/rendering.h"
 #include "render/sample_pass.h"

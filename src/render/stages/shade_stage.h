@@ -2,7 +2,7 @@
 #ifndef RK_RENDER_STAGES_SHADE_STAGE_H
 #define RK_RENDER_STAGES_SHADE_STAGE_H
 
-#include "accel/ray_times.h"
+#include "accel/query/ray_times.h"
 #include "render/film.h"
 #include "render/rendering.h"
 #include "render/sample_pass.h"

@@ -2,8 +2,8 @@
  * crossings, and their transmittance is its answer. */
 #include "render/stages/shadow_stage.h"
 
-#include "accel/trace.h"
-#include "accel/trace_moving.h"
+#include "accel/query/trace.h"
+#include "accel/query/trace_moving.h"
 #include "render/ray_record.h"
 #include "render/stages/motion_blur_stage.h"
 #include "render/stages/trace_transparent.h"

@@ -2,8 +2,8 @@
  * time for what is behind it. */
 #include "render/stages/trace_stage.h"
 
-#include "accel/trace.h"
-#include "accel/trace_moving.h"
+#include "accel/query/trace.h"
+#include "accel/query/trace_moving.h"
 #include "render/ray_record.h"
 #include "render/stages/motion_blur_stage.h"
 

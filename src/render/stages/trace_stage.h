@@ -6,7 +6,7 @@
 #define RK_RENDER_STAGES_TRACE_STAGE_H
 
 #include "accel/batch.h"
-#include "accel/ray_times.h"
+#include "accel/query/ray_times.h"
 #include "render/path_batch.h"
 #include "render/rendering.h"
 #include "render/sample_pass.h"

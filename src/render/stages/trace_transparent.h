@@ -3,8 +3,8 @@
 #ifndef RK_RENDER_STAGES_TRACE_TRANSPARENT_H
 #define RK_RENDER_STAGES_TRACE_TRANSPARENT_H
 
-#include "accel/crossings.h"
-#include "accel/ray_times.h"
+#include "accel/query/crossings.h"
+#include "accel/query/ray_times.h"
 #include "render/path_batch.h"
 #include "render/rendering.h"
 #include "render/sample_pass.h"

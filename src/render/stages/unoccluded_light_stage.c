@@ -1,8 +1,8 @@
-/* Where the pyramid between a point and the light is empty (accel/pyramid.h), a few nodes of a
- * Gaussian quadrature take the place of samples; neighbours share one search. */
+/* Where the pyramid between a point and the light is empty (accel/query/pyramid.h), a few nodes of
+ * a Gaussian quadrature take the place of samples; neighbours share one search. */
 #include "render/stages/unoccluded_light_stage.h"
 
-#include "accel/pyramid.h"
+#include "accel/query/pyramid.h"
 
 /* Fewer shadow rays cost less than a search for surfaces between points and light: of the cover,
  * four samples took a quarter longer with it. As many as the quadrature's fewest nodes. */
