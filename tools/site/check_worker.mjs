@@ -144,7 +144,10 @@ async function check({id, text, others}) {
   if (id !== latest) return;
   let late = 0, unended = null;
   await checker.run(module, suite, claims, () => late < LATE_CLAIMS ? LIMIT : SHORT_LIMIT, (verdict) => {
-    if (verdict.seconds >= LIMIT) late++, unended ??= verdict;
+    if (verdict.seconds >= LIMIT) {
+      late++;
+      unended ??= verdict;
+    }
     postMessage({id, verdict});
   });
   if (id === latest) postMessage({id, ends: {...seconds, starters, run: (performance.now() - started) / 1000}});

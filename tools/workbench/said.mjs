@@ -34,8 +34,8 @@ export function show_said(words, is_built, place_of) {
   shown("findings").replaceChildren(...is_built ? items_of(findings, place_of) : []);
   shown("said").textContent = said;
   shown("said").parentElement.open = !is_built;
-  shown("compiler").hidden = !said;
   shown("compiler").classList.remove("old");
+  shown("compiler").hidden = !said || (!is_built && findings.length === 0); // the box has all of it
   if (!is_built) {
     const errors = findings.filter(({severity}) => severity === "error"), first = errors.find(({message}) => message === UNCLOSED) || errors[0];
     const rest = findings.slice(findings.indexOf(first) + 1), {file, line, message} = first || {message: said.trim()};
