@@ -8,11 +8,12 @@ const PACKAGE = `-DPACKAGE_VERSION="page"`;
 // Vectors as in live figures (tools/live/sse2). mkstemp is declared nowhere; tools/live/no_system.c has it.
 const OF_DRIVERS = ["-target-feature", "+simd128", "-D__SSE2__", "-D_WASI_EMULATED_MMAN", PACKAGE, "-Wno-error=implicit-function-declaration"];
 
-// A folder's files whose names end so, as a tree.
+// A folder's files whose names end so, as a tree; what automake keeps there if it builds there begins with a dot.
 function tree(folder, end) {
   const files = {};
   for (const entry of fs.readdirSync(folder, {withFileTypes: true})) {
     const at = path.join(folder, entry.name);
+    if (entry.name.startsWith(".")) continue;
     if (entry.isDirectory()) files[entry.name] = tree(at, end);
     else if (end.test(entry.name)) files[entry.name] = fs.readFileSync(at, "utf8");
   }
