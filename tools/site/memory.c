@@ -31,10 +31,9 @@ enum { poison_size = page_size / 8 + sizeof(uint32_t) };
 
 /* The lowest addresses, as toolchain.mjs links: the stack, what is known of variables on it, and
  * the state of each page, both at constant addresses, since every access asks for them. */
-static const uintptr_t stack_end = 8 << 20;
-static int8_t *const margins = (int8_t *)(8 << 20);
-static const size_t known_bytes = (size_t)256 << 20;
-static uint8_t *const state_of = (uint8_t *)(40 << 20);
+enum { stack_end = 8 << 20, known_bytes = 256 << 20 };
+static int8_t *const margins = (int8_t *)stack_end;
+static uint8_t *const state_of = (uint8_t *)(stack_end + known_bytes / 8);
 static uint8_t **poison_of; /* of each page that has_poison; made when an instance begins */
 
 void *__real_malloc(size_t size);
@@ -483,12 +482,12 @@ void __asan_init(void)
 {
 }
 
-/* Called at each branch of a unit that is run again because a claim did not end: stops after some
+/* Called at each branch of a unit that is run again because a claim did not end: stops after five
  * seconds, so that the engine's list of calls tells where. */
 void __sanitizer_cov_trace_pc(void);
 void __sanitizer_cov_trace_pc(void)
 {
-    static const time_t seconds = 5;
+    static const int64_t limit = 5000000000; /* ns */
     static struct timespec begun;
     static uint32_t calls;
     if (calls++ % (1 << 16) != 0)
@@ -497,7 +496,7 @@ void __sanitizer_cov_trace_pc(void)
     clock_gettime(CLOCK_MONOTONIC, &now);
     if (calls == 1)
         begun = now;
-    if (now.tv_sec - begun.tv_sec > seconds)
+    if ((now.tv_sec - begun.tv_sec) * 1000000000LL + now.tv_nsec - begun.tv_nsec >= limit)
         __builtin_trap();
 }
 
