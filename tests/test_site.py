@@ -92,6 +92,11 @@ _FAULTS = {
     "volatile float p[64]; p[0] = n.x; rk_vec3 m = rk_normals_colour(n); return rk_vec(p[0], m.y, 0);":
         "the stack is used up",
     "volatile float none = n.x; while (none < 9) ; return n;": "no verdict after 2 s",
+    "exit(0); return n;": "ends the program, by exit or a function like it",
+    "if (n.x < 9) exit(1); return n;": "ends the program, by exit or a function like it",
+    "if (n.x < 9) abort(); return n;": "stops itself, by abort",
+    "float *none = 0; *none = n.x; return n;": "such as a use of NULL",
+    "assert(n.x > 9); return n;": "the assertion n.x > 9 does not hold",
     # What clang sees while it compiles.
     "float *p = malloc(12); if (!p) return n; p[0] = n.x; float y = p[5]; free(p); return rk_vec(y, 0, 0);":
         "reads 4 bytes, 8 bytes beyond the end of a block of 12 bytes that malloc gave",
@@ -102,6 +107,23 @@ _FAULTS = {
 }
 
 
+def check_mains(folder):
+    """A main of the unit's own would run in place of the suite's."""
+    reference = (SOURCE / "src/features/normals.c").read_text(encoding="utf-8")
+    mains = ["int main(void)\n{\n    return 0;\n}\n",
+             "int main(int argc, char **argv)\n{\n    return argc < 0 || !argv;\n}\n"]
+    files = []
+    for number, main in enumerate(mains):
+        files.append(os.path.join(folder, f"main-{number}.c"))
+        with open(files[-1], "w", encoding="utf-8") as file:
+            file.write(reference + main)
+    line = reference.count("\n") + 1
+    for main, result in zip(mains, checked([("normals", file) for file in files])):
+        error = f"normals.c:{line}:1: error: your file defines main"
+        check(error in result["said"] and not result["verdicts"],
+              f"a page builds no unit with {main.splitlines()[0]}", result)
+
+
 def check_faults(folder):
     reference = (SOURCE / "src/features/normals.c").read_text(encoding="utf-8")
     rest = reference[reference.index("rk_vec3 rk_normals_of_triangle"):]
@@ -109,12 +131,12 @@ def check_faults(folder):
     for number, body in enumerate(_FAULTS):
         files.append(os.path.join(folder, f"fault-{number}.c"))
         with open(files[-1], "w", encoding="utf-8") as file:
-            file.write('#include "features/normals.h"\n#include <stdlib.h>\n'
+            file.write('#include "features/normals.h"\n#include <assert.h>\n#include <stdlib.h>\n'
                        f"rk_vec3 rk_normals_colour(rk_vec3 n)\n{{\n    {body}\n}}\n{rest}")
     results = checked([("normals", file) for file in files], first=True, seconds=2)
     for (body, said), result in zip(_FAULTS.items(), results):
         first = next(iter(result["verdicts"]), {})
-        place = "" if "while" in body else "normals.c:5"
+        place = "" if "while" in body else "normals.c:6"
         check(said in first.get("message", "") and place == first.get("place"), f"a page tells: {said}",
               [body, result["said"], first])
 
@@ -331,6 +353,7 @@ def main():
         chapters_lead_to_the_workbench(folder)
         book_and_report_lead_to_each_other(folder)
         check_faults(folder)
+        check_mains(folder)
         check_unset(folder)
         builder = check_suites.Builder(pathlib.Path(folder), Store("", False))
         counting = builder.compile(SOURCE / "tests/count_allocations.c", "counting", check_suites.SANITIZE,

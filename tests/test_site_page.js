@@ -190,6 +190,9 @@ async function offline(browser, server, address) {
   await closed(server);
   if (has_book) await search_offline(browser, address);
   else console.log(`ok ${++count} - the book's search # SKIP this site has no book with a search: make book, after ./bootstrap --site`);
+  await browser.open(`${address}/`);
+  const is_there = await browser.until(`document.querySelectorAll(".course a").length === 16`);
+  check(is_there, "without a network, the first page is there by its folder's address");
   await browser.open(`${address}/workbench.html?shading`);
   await browser.until(`/claims hold|does not go on/.test(document.getElementById("state").textContent)`);
   const typed = await type(browser, fs.readFileSync(`${source}/src/features/shading.c`, "utf8"));

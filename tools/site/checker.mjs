@@ -15,12 +15,15 @@ export class Checker {
     this.#slots = Array.from({length: workers}, () => ({worker: null, stop: null}));
   }
 
+  // A main of the unit's own would take the place of the suite's, and no claim would run.
   // Returns {object, said, seconds}; said: the compiler's warnings and errors, which name the file STEM.c; object is
   // null if there are errors.
   compile(stem, text, flags = []) {
     const started = performance.now(), name = `${stem}.c`;
     const {object, said} = this.toolchain.compile({src: this.kit.headers, [name]: text}, name, {include: ["src"], unit: true, warnings: true, flags});
-    return {object, said, seconds: (performance.now() - started) / 1000};
+    const line = text.split("\n").findIndex((line) => /\bmain\s*\(/.test(line)) + 1 || 1, isProgram = object && has_main(object);
+    const error = isProgram ? `${name}:${line}:1: error: your file defines main, but the suite has one, which calls your functions: remove yours\n` : "";
+    return {object: isProgram ? null : object, said: error + said, seconds: (performance.now() - started) / 1000};
   }
 
   // Returns {bytes, seconds}: the suite's module with this unit, or with {said} why it cannot be linked. others: further
@@ -115,6 +118,9 @@ export class Checker {
     return this.places.get(calls) || "";
   }
 }
+
+// clang calls it by its parameters.
+export function has_main(object) { return /__main_(void|argc_argv)/.test(new TextDecoder("latin1").decode(object)); }
 
 // Where the contents of a module's code section begin, from which its line numbers count.
 function code_section(bytes) {

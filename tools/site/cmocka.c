@@ -54,6 +54,7 @@ int _cmocka_run_group_tests(const char *group, const struct CMUnitTest *tests, s
         fixture(tests[i].teardown_func, &state, "the claim's tear-down");
     }
     fixture(tear_down, &shared, "the suite's tear-down");
+    site_passed();
     return 0;
 }
 

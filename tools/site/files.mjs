@@ -26,8 +26,8 @@ async function agreed(units, {stem, title_of, is_own}) {
   if (!lost.length && !elsewhere.length) return units;
   const named = (some) => some.map((unit) => `${unit.path}: ${title_of(unit.stem)}`);
   const answer = await asked(units.length > 1 ? "Open these files?" : "Open this file?", [
-    ...list("They take the place of your own text, which undo (Ctrl+Z) brings back:", named(lost)),
-    ...list("They belong to other assignments, and go there:", named(elsewhere))],
+    ...list(`${lost.length > 1 ? "They take" : "It takes"} the place of your own text, which undo (Ctrl+Z) brings back:`, named(lost)),
+    ...list(elsewhere.length > 1 ? "They belong to other assignments, and go there:" : "It belongs to another assignment, and goes there:", named(elsewhere))],
   {all: lost.length ? "Replace my text" : "Put them there", ...(rest.length ? {rest: "Open only the others"} : {}), "": "Cancel"});
   return answer === "all" ? units : answer === "rest" ? rest : [];
 }

@@ -2,12 +2,17 @@
 // wasi.dev) that it makes, without files.
 
 class Exit {
-  constructor(status) { this.status = status; }
+  constructor(status) { Object.assign(this, {status, stack: String(new Error().stack)}); }
 }
 
-// A trap by its error, in the words of tools/site/memory.c. Engines call them differently.
-function said_of(error) {
-  const text = String(error.message);
+const ENDED = "ends the program, by exit or a function like it, while the claim runs: return from your functions instead";
+
+// A trap by its error and by what the program said before it, in the words of tools/site/memory.c. Engines call them
+// differently.
+function said_of(error, said) {
+  const text = String(error.message), [, asserted] = said.match(/^Assertion failed: (.*?)(?: \([^()]*: [^()]*: \d+\))?$/m) || [];
+  if (asserted) return `the assertion ${asserted} does not hold`;
+  if (/unreachable/.test(text)) return "stops itself, by abort, or where C has no meaning for what the compiler sees, such as a use of NULL";
   if (error instanceof RangeError || /call stack|recursion/.test(text)) return "the stack is used up: does a function call itself for ever?";
   if (/out of bounds|out-of-bounds/.test(text)) return "memory is used that the program does not have, or the stack is used up";
   if (/divi/.test(text)) return "an integer is divided by 0, or the quotient is beyond its type's range";
@@ -19,17 +24,21 @@ const MOST = 1 << 16; // characters that are kept of what a program prints
 // args: what a suite takes: ["--only", name], ["--list"]. Returns what runProgram does, and message, file and line of the
 // claim that failed. Calls tell({printed}) or tell({said}) when something is printed.
 export function runSuite(module, args, environment = {}, tell = () => {}) {
-  return runProgram(module, ["suite", ...args], {environment, tell, result: {message: "", file: "", line: 0}, calls: (result, {text}) => ({
+  const own = {message: "", file: "", line: 0, isTold: args[0] !== "--only"};
+  const {isTold, ...result} = runProgram(module, ["suite", ...args], {environment, tell, result: own, calls: (result, {text}) => ({
     message(said) { result.message = text(said); },
-    failed(file, line) { Object.assign(result, {file: text(file), line}); },
+    failed(file, line) { Object.assign(result, {file: text(file), line, isTold: true}); },
+    passed() { result.isTold = true; },
     fault(what, file, line) { Object.assign(result, {fault: text(what), file: text(file), line}); },
   })});
+  return isTold || result.fault ? result : {...result, status: 3, fault: ENDED};
 }
 
 // args: ["bloom", "--bloom-radius", "3"]. Returns what runProgram does, and the driver's picture: width, height and
 // pixels, RGBA, null if it has drawn none, and the scale of its false colours or "".
 export function runDriver(module, args) {
-  return runProgram(module, args, {result: {file: "", line: 0, width: 0, height: 0, pixels: null, scale: ""}, calls: (result, {text, bytes}) => ({
+  const own = {file: "", line: 0, width: 0, height: 0, pixels: null, scale: ""};
+  const result = runProgram(module, args, {result: own, calls: (result, {text, bytes}) => ({
     scale(shown) { result.scale = text(shown); },
     picture(rgba, width, height) {
       Object.assign(result, {width, height, pixels: new Uint8ClampedArray(bytes(rgba, 4 * width * height).slice().buffer)});
@@ -37,6 +46,8 @@ export function runDriver(module, args) {
     cell() {}, // of a table's row, which is printed too
     fault(what, file, line) { Object.assign(result, {fault: text(what), file: text(file), line}); },
   })});
+  const {pixels, fault, said} = result;
+  return pixels || fault || said.trim() || args.includes("--pixel") ? result : {...result, status: 3, fault: ENDED};
 }
 
 // Returns {status, printed, said, fault, stack}, printed and said as long as MOST, and what calls, the program's own imports, put into result; fault: what
@@ -104,12 +115,9 @@ function runProgram(module, args, {environment = {}, tell = () => {}, result: ow
     memory = exports.memory;
     exports._start();
   } catch (error) {
-    if (error instanceof Exit) result.status = error.status;
-    else {
-      result.status = 3;
-      result.fault = result.fault || said_of(error);
-      result.stack = String(error.stack);
-    }
+    result.status = error instanceof Exit ? error.status : 3;
+    if (!(error instanceof Exit)) result.fault = result.fault || said_of(error, result.said);
+    result.stack = String(error.stack);
   }
   return result;
 }

@@ -1,6 +1,8 @@
 // In the site of a course: the units that a suite or a driver is linked with beside the one that is written. They are the
 // student's own, or starters: the site holds no solution of them.
 
+import {has_main} from "./checker.mjs";
+
 const tight = (text) => text.replace(/\s+/g, "");
 
 export class Others {
@@ -16,8 +18,9 @@ export class Others {
     if (made && made.text === text) return made.object;
     const {toolchain, kit} = this.checker, name = `${stem}.c`;
     const {object} = toolchain.compile({src: kit.headers, [name]: text}, name, {include: ["src"], checks: false});
-    this.#made.set(stem, {text, object});
-    return object;
+    const linked = object && !has_main(object) ? object : null;
+    this.#made.set(stem, {text, object: linked});
+    return linked;
   }
 
   // Links by link(others, starters) with these units: those in texts, by their stems, or with starters alone if that

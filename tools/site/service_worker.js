@@ -14,11 +14,11 @@ addEventListener("activate", (event) => {
 });
 
 async function answer(request) {
-  const cache = await caches.open(VERSION), known = await cache.match(request, {ignoreSearch: true});
+  const {origin, pathname} = new URL(request.url), file = origin + pathname.replace(/\/$/, "/index.html"); // without ?work and the like
+  const cache = await caches.open(VERSION), known = await cache.match(file);
   if (known) return known;
   const fresh = await fetch(request);
-  const {origin, pathname} = new URL(request.url);
-  if (fresh.ok) await cache.put(origin + pathname, fresh.clone()); // what follows it, as in ?work, changes no file
+  if (fresh.ok) await cache.put(file, fresh.clone());
   return fresh;
 }
 

@@ -48,12 +48,14 @@ function others() {
   return Object.fromEntries(texts.filter(([, text]) => text !== undefined));
 }
 
+const BEFORE = ", from before your last change";
+
 function check() {
   if (!task) return;
   if (!work.save()) no_room();
   shown("state").textContent = is_loaded ? "Checking" : "Loading the compiler";
   shown("drawn").textContent = "";
-  if (!shown("pictures").classList.contains("old")) shown("whose").textContent += ", from before your last change";
+  if (!shown("whose").textContent.endsWith(BEFORE)) shown("whose").textContent += BEFORE;
   for (const name of ["first", "compiler", "pictures", "steps"]) shown(name).classList.add("old");
   const text = editor.text();
   is_empty = !text.trim();
@@ -84,7 +86,7 @@ function show_first() {
 
 const pixel = new Pixel({pictures: shown("pictures"), own: shown("own"), wanted: shown("wanted"), said: shown("pixel"),
   explained: shown("explained")}, (place) => {
-  if (!shown("pictures").classList.contains("old")) worker.postMessage({id, explain: place});
+  if (!shown("pictures").classList.contains("old")) worker.postMessage({id, explain: place, isWritten: !task.steps.some(({number}) => is_unwritten(number))});
 });
 
 const ORDINALS = ["First", "Second", "Third", "Fourth", "Fifth", "Sixth", "Seventh", "Eighth", "Ninth"]; // as starters say
@@ -176,7 +178,7 @@ function show_looks(looks) {
 
 worker.onmessage = ({data}) => {
   if (data.id !== undefined && data.id !== id) return;
-  if (data.failed) shown("state").textContent = `It does not go on: ${data.failed}`;
+  if (data.failed) tell({message: data.failed});
   if (data.looks) show_looks(data.looks);
   if (data.loaded !== undefined) {
     shown("loaded").value = data.loaded;
@@ -205,10 +207,14 @@ worker.onerror = () => { shown("state").textContent = "It does not go on: this b
 
 // --- Files ---
 
+function tell({message}) {
+  const remedy = /network|failed to fetch/i.test(message) ? ". Reload this page when the network is back" : "";
+  shown("state").textContent = `It does not go on: ${message}${remedy}`;
+}
+
 const text_of = (other) => other === stem ? editor.text() : kept(other)?.doc;
 const task_of = async (name) => (await unpacked(await fetched(`tasks/${name}.json.gz`))).json();
 const workbook = () => task_of("workbook");
-const tell = (error) => { shown("state").textContent = `It does not go on: ${error.message}`; };
 
 const save = () => download(`${stem}.c`, editor.text(), "text/x-c");
 
@@ -260,8 +266,9 @@ async function header_in(name) {
 }
 
 async function begin() {
-  const [all, text, own] = await Promise.all([task_of("course"), fetched(`starters/${stem}.c`).then((answer) => answer.text()), task_of(stem)]);
-  course = all;
+  course = await task_of("course");
+  if (!course.some((other) => other.stem === stem)) throw new Error(`there is no assignment ${stem}: the first page lists them`);
+  const [text, own] = await Promise.all([fetched(`starters/${stem}.c`).then((answer) => answer.text()), task_of(stem)]);
   starter = text;
   task = own;
   shown("save").textContent = `Save ${stem}.c`;
@@ -279,5 +286,8 @@ async function begin() {
 }
 
 if ("serviceWorker" in navigator) navigator.serviceWorker.register("service_worker.js");
-begin().catch(tell);
 worker.postMessage({site: new URL("./", location.href).href, stem});
+begin().catch((error) => {
+  worker.terminate();
+  tell(error);
+});
