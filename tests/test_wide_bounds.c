@@ -75,8 +75,17 @@ static parts parts_of(const numbers *n, const double found[quantities], double b
 static parts parts_of_ray(const numbers *n)
 {
     const rk_wide_block block = block_of(n);
-    const rk_ray ray = {vector_at(n, origin), vector_at(n, direction), INFINITY};
-    const determinants d = determinants_of(&ray, longest_of(ray.direction), &block);
+    pairs q;
+    for (int i = 0; i < (int)pairs_at_once; i++) {
+        q.block[i] = &block;
+        q.edge[i] = block.edge;
+        q.longest[i] = longest_of(vector_at(n, direction));
+        for (int k = 0; k < 3; k++) {
+            q.origin[k][i] = n->at[origin + k];
+            q.direction[k][i] = n->at[direction + k];
+        }
+    }
+    const determinants d = determinants_of(&q, 0);
     const double found[quantities] = {(double)d.u[0], (double)d.v[0], (double)d.w[0],
                                       (double)d.det[0], (double)d.t[0]};
     return parts_of(n, found, (double)d.bound[0], (double)d.t_bound[0]);

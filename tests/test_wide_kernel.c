@@ -451,6 +451,75 @@ static void a_nan_leaves_its_neighbours_alone(void **state)
     rk_mesh_free(&mesh);
 }
 
+/* In all directions, from everywhere, some with numbers that no packet takes. */
+static void fill_with_scattered_rays(rk_ray_batch *rays, uint32_t count)
+{
+    const float odd[] = {NAN, INFINITY, -1, 0, FLT_MIN / 4};
+    rays->count = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        rk_ray ray = {noise3(count, i), noise3(count, 5000 + i), INFINITY};
+        const uint32_t any = rk_hash(count, i, 3, 1);
+        float *const numbers[4] = {&ray.direction.x, &ray.direction.y, &ray.origin.z, &ray.t_max};
+        if (any % 4 == 1)
+            ray.t_max = 0.3f + 0.3f * noise(count, 40, i);
+        if (any % 16 == 2)
+            ray.direction = rk_vec(0, 0, 0);
+        if (count % 3 == 0 && any % 16 == 3)
+            *numbers[any / 16 % 4] = odd[any / 64 % 5];
+        if (count % 7 == 0) /* at the same distance from several triangles */
+            ray.origin = rk_vec(roundf(ray.origin.x * 8), roundf(ray.origin.y * 8), 1);
+        rk_batch_push(rays, &ray);
+    }
+}
+
+/* Packets that are not full, or begin near the end of a batch. */
+static void scattered_rays_agree_in_batches_of_all_sizes(void **state)
+{
+    (void)state;
+    rk_mesh soup = make_soup(2000, 0.2f, 4);
+    for (uint32_t i = 0; i < 400; i++) /* twice */
+        for (uint32_t k = 0; k < 3; k++)
+            soup.positions[3 * (1000 + i) + k] = soup.positions[3 * i + k];
+    trees t = build(&soup);
+    uint32_t hit_count = 0;
+    for (uint32_t count = 1; count <= RK_BATCH_MAX; count += count < 100 ? 1 : 13) {
+        rk_ray_batch rays;
+        fill_with_scattered_rays(&rays, count);
+        hit_count += check_batch(&t, &rays, "scattered, rays", count);
+    }
+    rk_check(hit_count > 2000, "only %u rays have a hit", hit_count);
+    free_trees(&t);
+    rk_mesh_free(&soup);
+}
+
+static void scattered_rays_share_the_work(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_soup(4096, 0.05f, 2);
+    trees t = build(&mesh);
+    for (int k = 0; k < name_count; k++) {
+        const rk_wide_kernel *kernel = rk_wide_kernel_named(names[k], NULL);
+        rk_counters single = {0}, together = {0};
+        rk_ray_batch rays;
+        rk_hit_batch hits;
+        if (!kernel)
+            continue;
+        fill_with_scattered_rays(&rays, RK_BATCH_MAX);
+        kernel->closest(&t.wide, &rays, &hits, &together);
+        for (uint32_t i = 0; i < rays.count; i++) {
+            const rk_ray ray = rk_batch_ray(&rays, i);
+            rk_ray_batch alone = {.count = 0};
+            rk_batch_push(&alone, &ray);
+            kernel->closest(&t.wide, &alone, &hits, &single);
+        }
+        rk_check(3 * together.box_tests < 2 * single.box_tests,
+                 "%s: %llu box tests for 256 scattered rays, %llu for each alone", names[k],
+                 (unsigned long long)together.box_tests, (unsigned long long)single.box_tests);
+    }
+    free_trees(&t);
+    rk_mesh_free(&mesh);
+}
+
 /* --- The choice ------------------------------------------------------------------------------- */
 
 static void unknown_instruction_sets_are_refused(void **state)
@@ -530,6 +599,8 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(tiny_and_huge_scenes_agree),
     cmocka_unit_test(shadow_rays_to_a_light_with_an_extent_agree),
     cmocka_unit_test(packets_share_the_work),
+    cmocka_unit_test(scattered_rays_agree_in_batches_of_all_sizes),
+    cmocka_unit_test(scattered_rays_share_the_work),
     cmocka_unit_test(shadow_rays_of_different_signs_share_the_work),
     cmocka_unit_test(a_nan_leaves_its_neighbours_alone),
     cmocka_unit_test(pictures_are_the_same_to_the_bit),

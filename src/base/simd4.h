@@ -78,6 +78,11 @@ static inline uint32_t rk_simd4_movemask(rk_simd4_mask mask)
 
 #endif
 
+static inline uint32_t rk_simd4_lt(rk_simd4 a, rk_simd4 b)
+{
+    return rk_simd4_movemask(a < b);
+}
+
 #if defined __clang__ || __GNUC__ >= 12
 #define RK_SIMD4_SHUFFLE(a, b, i, j, k, l) __builtin_shufflevector(a, b, i, j, k, l)
 #else

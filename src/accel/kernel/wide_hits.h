@@ -45,15 +45,18 @@ static const float least_component = 0x1p-60f;
 /* Compared with the bound of u and v. */
 static const float part_of_w = 0.5f;
 
+/* Of bounds_of, which counts what they cover. */
+static const float gamma = 10.25f * 0x1p-24f, tiny = 0x1p-41f;
+
 /* Bounds of the errors of u, v and det, which are also that of half of w, and of t: gamma edge
  * (reach + edge) longest, and gamma edge^2 (reach + edge). By roundings of 2^-24, u and v have at
- * most 8 of them, w 19, det 10 and t 9, in test_block and in lanes_in_block; the appendix on the
- * kernel counts them. What is more in gamma covers the roundings of the bound and of second order,
- * and underflow takes less than the parts of 2^-41 add. `reach` is from origins to the corners a.
+ * most 8 of them, w 19, det 10 and t 9, in determinants_of and in lanes_in_block; the appendix on
+ * the kernel counts them. What is more in gamma covers the roundings of the bound and of second
+ * order, and underflow takes less than the parts of 2^-41 add. `reach`: from origins to corners a.
  */
 RK_INLINE rk_simd4 bounds_of(float edge, rk_simd4 reach, float longest, rk_simd4 *t_bound)
 {
-    const float tiny = 0x1p-41f, gamma = 10.25f * 0x1p-24f, side = edge + tiny;
+    const float side = edge + tiny;
     rk_simd4 area = rk_simd4_all(side * gamma) * (reach + rk_simd4_all(side));
     *t_bound = area * rk_simd4_all(side);
     return area * rk_simd4_all(longest);
@@ -179,67 +182,12 @@ RK_INLINE rk_simd4 f4x3_dot(f4x3 a, f4x3 b)
     return rk_simd4_madd(a.x, b.x, rk_simd4_madd(a.y, b.y, a.z * b.z));
 }
 
-/* Of four triangles and a ray, with the bounds of their errors; see features/watertight.h. */
-typedef struct determinants {
-    rk_simd4 u, v, w, det, t, bound, t_bound;
-} determinants;
-
-RK_INLINE determinants determinants_of(const rk_ray *ray, float longest, const rk_wide_block *block)
-{
-    determinants found;
-    f4x3 direction = rk_simd4x3_all(ray->direction), a = f4x3_corner(block, 0);
-    f4x3 ab = rk_simd4x3_sub(f4x3_corner(block, 1), a);
-    f4x3 ac = rk_simd4x3_sub(f4x3_corner(block, 2), a);
-    f4x3 s = rk_simd4x3_sub(rk_simd4x3_all(ray->origin), a);
-    f4x3 p = f4x3_cross(direction, ac), q = f4x3_cross(s, ab);
-    found.u = f4x3_dot(s, p);
-    found.v = f4x3_dot(direction, q);
-    found.w = f4x3_dot(ab, p) - found.u - found.v;
-    found.det = found.u + found.v + found.w;
-    found.t = f4x3_dot(ac, q);
-    found.bound = bounds_of(block->edge, rk_simd4x3_size(s), longest, &found.t_bound);
-    return found;
-}
-
-/* What float says about a block's triangles, a bit for each. */
-typedef struct verdict {
-    uint32_t may;  /* may be hit, at t_max or before */
-    uint32_t hits; /* of these are certainly hit, at a t between near and far */
-    float near[4], far[4];
-} verdict;
-
 /* The places of a block that do not repeat the one before. */
 RK_INLINE uint32_t taken_places(const rk_wide_block *block)
 {
     const uint32_t *index = block->index;
     return 1 | (uint32_t)(index[1] != index[0]) << 1 | (uint32_t)(index[2] != index[1]) << 2 |
            (uint32_t)(index[3] != index[2]) << 3;
-}
-
-RK_INLINE void test_block(verdict *found, const rk_ray *ray, float longest,
-                          const rk_wide_block *block, float t_max)
-{
-    const determinants d = determinants_of(ray, longest, block);
-    const rk_simd4 u = d.u, v = d.v, half_w = d.w * rk_simd4_all(part_of_w), bound = d.bound;
-    rk_simd4 lowest = rk_simd4_min(u, rk_simd4_min(v, half_w));
-    rk_simd4 highest = rk_simd4_max(u, rk_simd4_max(v, half_w));
-    found->may = 15 & ~rk_simd4_movemask((lowest < -bound) & (highest > bound));
-    found->hits = 0;
-    if (!found->may)
-        return;
-    found->may &= taken_places(block);
-    rk_simd4_mask front = lowest > bound, back = highest < -bound, inside = front | back;
-    const rk_simd4 det = rk_simd4_abs(d.det), t_bound = d.t_bound;
-    const rk_simd4 t = rk_simd4_select(back, -d.t, d.t);
-    rk_simd4 near = (t - t_bound) / (det + bound) * rk_simd4_all(below_1);
-    rk_simd4 far = (t + t_bound) / (det - bound) * rk_simd4_all(above_1);
-    found->may &= ~rk_simd4_movemask(inside & ((t < -t_bound) | (near > rk_simd4_all(t_max))));
-    found->hits = found->may & rk_simd4_movemask(inside & (near > rk_simd4_all(least_t)));
-    memcpy(found->near, &near, sizeof near);
-    memcpy(found->far, &far, sizeof far);
-    const uint32_t close = found->may & rk_simd4_movemask(inside) & ~found->hits;
-    if (close)
-        found->may &= ~(close & behind_in_double(ray, block, rk_simd4_movemask(back)));
 }
 
 #endif

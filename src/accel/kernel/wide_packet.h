@@ -4,16 +4,11 @@
 #ifndef RK_ACCEL_KERNEL_WIDE_PACKET_H
 #define RK_ACCEL_KERNEL_WIDE_PACKET_H
 
-#include "accel/kernel/wide_flights.h"
+#include "accel/kernel/wide_single.h"
 
 enum {
     packet_rays = 16,
-    few_lanes = 2,   /* so many rays are faster tested one by one */
-    least_lanes = 4, /* of a packet */
-    /* If so few rays enter a node, and their shaft so many of its children, it is too wide for
-     * them: single rays enter fewer. */
-    last_lanes = 4,
-    wide_children = 4,
+    last_lanes = 2, /* so few hits are faster computed one by one */
 };
 
 typedef struct f16x3 {
@@ -23,12 +18,13 @@ typedef struct f16x3 {
 /* Rays whose directions have the same signs. */
 typedef struct packet {
     shaft shaft;
-    f16x3 start, inverse;    /* 1 / direction */
-    f16x3 origin;            /* start, seen from the centre */
-    f16x3 direction, moment; /* origin x direction */
+    float start[3][packet_rays], inverse[3][packet_rays]; /* 1 / direction */
+    f16x3 origin;                                         /* start, seen from the centre */
+    f16x3 direction, moment;                              /* origin x direction */
     rk_vec3 center;
     float size, longest; /* at least those of any origin, and of any direction's components */
     float farthest;      /* no ray looks for hits beyond */
+    uint32_t filled;     /* lanes with rays of the batch */
     uint32_t active;     /* lanes with rays that look for hits */
     uint32_t known;      /* lanes whose u, v and triangle are known; see best_hit */
     float near[packet_rays], far[packet_rays], u[packet_rays], v[packet_rays];
@@ -47,6 +43,18 @@ RK_INLINE uint32_t lanes_of(const rk_ray_batch *rays, uint32_t first)
 RK_INLINE f16x3 f16x3_of(const float x[3][4], uint32_t i)
 {
     return (f16x3){rk_f16_all(x[0][i]), rk_f16_all(x[1][i]), rk_f16_all(x[2][i])};
+}
+
+RK_INLINE f16x3 f16x3_load(const float x[3][packet_rays])
+{
+    return (f16x3){rk_f16_load(x[0]), rk_f16_load(x[1]), rk_f16_load(x[2])};
+}
+
+RK_INLINE void f16x3_store(float x[3][packet_rays], f16x3 a)
+{
+    rk_f16_store(x[0], a.x);
+    rk_f16_store(x[1], a.y);
+    rk_f16_store(x[2], a.z);
 }
 
 RK_INLINE rk_f16 f16x3_dot(f16x3 a, f16x3 b)
@@ -249,36 +257,6 @@ RK_INLINE void lanes_in_block(packet *p, query kind, const rk_wide_bvh *wide,
     }
 }
 
-RK_INLINE void lane_in_block(packet *p, query kind, const rk_wide_bvh *wide,
-                             const rk_wide_block *block, uint32_t lane)
-{
-    const rk_ray ray = rk_batch_ray(p->rays, p->first + lane);
-    if (kind == CLOSEST) {
-        best_hit best = lane_best(p, lane);
-        closest_in_block(&best, wide, block, &ray, p->longest);
-        set_lane_best(p, lane, &best);
-    } else if (block_occludes(wide, block, &ray, p->longest)) {
-        p->active &= ~(1u << lane);
-    }
-}
-
-RK_INLINE void visit_leaf(packet *p, query kind, const rk_wide_bvh *wide, uint32_t leaf,
-                          uint32_t lanes)
-{
-    const rk_wide_block *block = &wide->blocks[rk_wide_leaf_first(leaf)];
-    const uint32_t count = rk_wide_leaf_count(leaf);
-    for (uint32_t k = 0; k < count; k++) {
-        lanes &= p->active;
-        if (__builtin_popcount(lanes) > few_lanes)
-            lanes_in_block(p, kind, wide, &block[k], lanes);
-        else
-            for (uint32_t left = lanes; left;)
-                lane_in_block(p, kind, wide, &block[k], next_bit(&left));
-    }
-    if (kind == CLOSEST)
-        p->farthest = rk_f16_largest(rk_f16_load(p->far));
-}
-
 /* --- Filling in ------------------------------------------------------------------------------- */
 
 /* Lowest and highest lane of four numbers. */
@@ -345,6 +323,18 @@ typedef struct sixteen {
     rk_f16 t_max;
 } sixteen;
 
+/* -0 becomes 0: its reciprocal has the sign of the others. */
+RK_INLINE sixteen load_sixteen(const rk_ray_batch *rays, uint32_t first)
+{
+    const rk_f16 zero = rk_f16_all(0);
+    return (sixteen){{rk_f16_load(&rays->origin_x[first]), rk_f16_load(&rays->origin_y[first]),
+                      rk_f16_load(&rays->origin_z[first])},
+                     {rk_f16_add(rk_f16_load(&rays->direction_x[first]), zero),
+                      rk_f16_add(rk_f16_load(&rays->direction_y[first]), zero),
+                      rk_f16_add(rk_f16_load(&rays->direction_z[first]), zero)},
+                     rk_f16_load(&rays->t_max[first])};
+}
+
 /* Lanes that are not `active` become copies of the first that is. */
 RK_INLINE rk_f16 copied(rk_f16 a, uint32_t active)
 {
@@ -370,19 +360,30 @@ RK_INLINE bool start_together(f16x3 origin)
              rk_f16_lt(origin.y, y) | rk_f16_lt(z, origin.z) | rk_f16_lt(origin.z, z));
 }
 
-/* False if floats might overflow. The shaft, except its signs, is left out if it is not wanted. */
+RK_INLINE uint32_t tiny_lanes(rk_f16 a)
+{
+    const rk_f16 size = rk_f16_abs(a);
+    return rk_f16_lt(size, rk_f16_all(least_component)) & rk_f16_lt(rk_f16_all(0), size);
+}
+
+/* Others would spoil the bounds of all. */
+RK_INLINE uint32_t ordinary_lanes(const sixteen *lanes)
+{
+    const f16x3 d = lanes->direction;
+    return rk_f16_le(rk_f16_all(0), lanes->t_max) &
+           ~(tiny_lanes(d.x) | tiny_lanes(d.y) | tiny_lanes(d.z));
+}
+
+/* Of ordinary lanes. False if floats might overflow. The shaft, except its signs, is left out if it
+ * is not wanted. */
 RK_INLINE bool fill_packet(packet *p, const tree_extent *extent, sixteen lanes, uint32_t signs,
                            uint32_t active, bool with_shaft)
 {
     if (active != 0xffff)
         copy_lanes(&lanes, active);
     const f16x3 o = lanes.origin, d = lanes.direction;
-    rk_f16 x = rk_f16_abs(d.x), y = rk_f16_abs(d.y), z = rk_f16_abs(d.z);
-    rk_f16 longest = rk_f16_max(x, rk_f16_max(y, z)), zero = rk_f16_all(0);
-    const rk_f16 least = rk_f16_all(least_component);
-    if ((rk_f16_lt(x, least) & rk_f16_lt(zero, x)) | (rk_f16_lt(y, least) & rk_f16_lt(zero, y)) |
-        (rk_f16_lt(z, least) & rk_f16_lt(zero, z)))
-        return false;
+    const rk_f16 x = rk_f16_abs(d.x), y = rk_f16_abs(d.y), z = rk_f16_abs(d.z);
+    const rk_f16 longest = rk_f16_max(x, rk_f16_max(y, z));
     /* Lowest and highest component of directions in the fourth lane. */
     lane_ranges from, speeds;
     const bool is_point = start_together(o);
@@ -421,14 +422,15 @@ RK_INLINE bool fill_packet(packet *p, const tree_extent *extent, sixteen lanes, 
     if (with_shaft)
         set_shaft(&p->shaft, &from, &speeds);
     const rk_f16 one = rk_f16_all(1);
-    p->start = o;
-    p->inverse = (f16x3){rk_f16_div(one, d.x), rk_f16_div(one, d.y), rk_f16_div(one, d.z)};
+    f16x3_store(p->start, o);
+    f16x3_store(p->inverse,
+                (f16x3){rk_f16_div(one, d.x), rk_f16_div(one, d.y), rk_f16_div(one, d.z)});
     p->origin =
         (f16x3){rk_f16_sub(o.x, rk_f16_all(center[0])), rk_f16_sub(o.y, rk_f16_all(center[1])),
                 rk_f16_sub(o.z, rk_f16_all(center[2]))};
     p->direction = d;
     p->moment = f16x3_cross(p->origin, d);
-    p->active = active;
+    p->filled = p->active = active;
     p->known = 0xffff;
     rk_f16_store(p->near, lanes.t_max);
     rk_f16_store(p->far, lanes.t_max);
@@ -522,9 +524,24 @@ RK_INLINE void finish_eight(packet *p, const rk_wide_bvh *wide, uint32_t lane, u
     }
 }
 
-RK_INLINE void put_hits(packet *p, const rk_wide_bvh *wide, uint32_t lanes, rk_hit_batch *hits)
+RK_INLINE void put_each_hit(const packet *p, const rk_wide_bvh *wide, rk_hit_batch *hits)
 {
-    const uint32_t wanted = lanes & ~p->known;
+    for (uint32_t left = p->filled; left;) {
+        const uint32_t lane = next_bit(&left), at = p->first + lane;
+        const rk_ray ray = rk_batch_ray(p->rays, at);
+        const best_hit best = lane_best(p, lane);
+        const rk_hit hit = final_hit(&best, wide, &ray);
+        rk_batch_put_hit(hits, at, &hit);
+    }
+}
+
+RK_INLINE void put_hits(packet *p, const rk_wide_bvh *wide, rk_hit_batch *hits)
+{
+    const uint32_t lanes = p->filled, wanted = lanes & ~p->known;
+    if (__builtin_popcount(lanes) <= last_lanes) {
+        put_each_hit(p, wide, hits);
+        return;
+    }
     for (uint32_t lane = 0; lane < packet_rays; lane += 8)
         if (wanted >> lane & 0xff)
             finish_eight(p, wide, lane, wanted >> lane & 0xff);
@@ -534,9 +551,10 @@ RK_INLINE void put_hits(packet *p, const rk_wide_bvh *wide, uint32_t lanes, rk_h
     rk_put_each(&hits->triangle[p->first], p->triangle, lanes);
 }
 
-RK_INLINE void put_answers(const packet *p, uint32_t lanes, rk_occlusion_batch *answers)
+RK_INLINE void put_answers(const packet *p, rk_occlusion_batch *answers)
 {
     bool *occluded = &answers->occluded[p->first];
+    uint32_t lanes = p->filled;
     if (lanes == 0xffff)
         for (uint32_t i = 0; i < packet_rays; i++)
             occluded[i] = !(p->active >> i & 1);
@@ -545,89 +563,6 @@ RK_INLINE void put_answers(const packet *p, uint32_t lanes, rk_occlusion_batch *
             const uint32_t i = next_bit(&lanes);
             occluded[i] = !(p->active >> i & 1);
         }
-}
-
-/* --- Traversal -------------------------------------------------------------------------------- */
-
-RK_INLINE rk_f16 plane_hit(float plane, rk_f16 origin, rk_f16 inverse)
-{
-    return rk_f16_mul(rk_f16_sub(rk_f16_all(plane), origin), inverse);
-}
-
-/* The lanes that enter a child; see push_children. */
-RK_INLINE uint32_t lanes_that_enter(const packet *p, const rk_wide_bvh *wide, uint32_t box)
-{
-    const float *sides = &wide->nodes[box / RK_WIDE_CHILDREN].side[0][0][box % RK_WIDE_CHILDREN];
-    const side_places *at = &sides_of_signs[p->shaft.signs];
-    const f16x3 *o = &p->start, *by = &p->inverse;
-    rk_f16 enter = rk_f16_all(0), leave = rk_f16_load(p->far);
-    enter = rk_f16_max(plane_hit(sides[at->near[0]], o->x, by->x), enter);
-    leave = rk_f16_min(plane_hit(sides[at->far[0]], o->x, by->x), leave);
-    enter = rk_f16_max(plane_hit(sides[at->near[1]], o->y, by->y), enter);
-    leave = rk_f16_min(plane_hit(sides[at->far[1]], o->y, by->y), leave);
-    enter = rk_f16_max(plane_hit(sides[at->near[2]], o->z, by->z), enter);
-    leave = rk_f16_min(plane_hit(sides[at->far[2]], o->z, by->z), leave);
-    return p->active & rk_f16_le(rk_f16_mul(enter, rk_f16_all(below_1)), leave);
-}
-
-/* The last lanes as single rays, below `child`. */
-RK_INLINE void trace_apart(packet *p, query kind, const rk_wide_bvh *wide, uint32_t child,
-                           uint32_t lanes, flights *flying, work *done)
-{
-    uint32_t lane[last_lanes];
-    unsigned char count = 0;
-    flying->nodes.count = flying->leaves.count = 0;
-    for (uint32_t left = lanes; left; count++) {
-        lane[count] = next_bit(&left);
-        const rk_ray ray = rk_batch_ray(p->rays, p->first + lane[count]);
-        start_flight(flying, count, &ray, p->longest, child);
-        flying->all[count].best = lane_best(p, lane[count]);
-    }
-    while (step(flying, kind, wide, done))
-        ;
-    for (uint32_t k = 0; k < count; k++)
-        if (kind == CLOSEST)
-            set_lane_best(p, lane[k], &flying->all[k].best);
-        else
-            p->active &= ~((uint32_t)flying->all[k].is_occluded << lane[k]);
-    if (kind == CLOSEST)
-        p->farthest = rk_f16_largest(rk_f16_load(p->far));
-}
-
-/* The shaft is wider than its rays: it may enter a child that none of them does. */
-RK_INLINE void trace_packet(packet *p, query kind, const rk_wide_bvh *wide, flights *flying,
-                            work *done)
-{
-    child_stack stack;
-    uint32_t child = 0;
-    start_stack(&stack);
-    while (child != no_child) {
-        const float farthest = p->farthest;
-        uint32_t lanes = p->active;
-        if (child != 0)
-            lanes = lanes_that_enter(p, wide, stack.box[stack.size]);
-        if (lanes) {
-            if (child & RK_WIDE_LEAF) {
-                visit_leaf(p, kind, wide, child, lanes);
-                done->blocks += rk_wide_leaf_count(child);
-            } else {
-                const uint32_t before = stack.size;
-                push_children(&stack, &p->shaft, wide, child, p->farthest, true);
-                done->nodes++;
-                if (__builtin_popcount(lanes) <= last_lanes &&
-                    stack.size - before >= wide_children) {
-                    stack.size = before;
-                    trace_apart(p, kind, wide, child, lanes, flying, done);
-                }
-            }
-            if (!p->active)
-                return;
-        }
-        if (kind == CLOSEST && p->farthest < farthest)
-            drop_farther(&stack, p->farthest, true);
-        child = pop(&stack);
-        fetch(wide, stack.child[stack.size ? stack.size - 1 : 0]); /* the one after it */
-    }
 }
 
 #endif

@@ -6,36 +6,6 @@
 #include "accel/kernel/wide_boxes.h"
 #include "accel/kernel/wide_hits.h"
 
-RK_INLINE void closest_in_block(best_hit *best, const rk_wide_bvh *wide, const rk_wide_block *block,
-                                const rk_ray *ray, float longest)
-{
-    verdict found;
-    test_block(&found, ray, longest, block, best->far);
-    while (found.may) {
-        const uint32_t i = next_bit(&found.may), place = place_of(wide, block, i);
-        const bool is_hit = found.hits >> i & 1;
-        if (is_hit && found.far[i] < best->near)
-            *best = (best_hit){.near = found.near[i], .far = found.far[i], .place = place};
-        else if (!is_hit || found.near[i] <= best->far)
-            decide_exactly(best, wide, place, ray);
-    }
-}
-
-RK_INLINE bool block_occludes(const rk_wide_bvh *wide, const rk_wide_block *block,
-                              const rk_ray *ray, float longest)
-{
-    verdict found;
-    test_block(&found, ray, longest, block, ray->t_max);
-    while (found.may) {
-        const uint32_t i = next_bit(&found.may);
-        if (found.hits >> i & 1 && found.far[i] <= ray->t_max)
-            return true;
-        if (occludes_exactly(wide, place_of(wide, block, i), ray))
-            return true;
-    }
-    return false;
-}
-
 RK_INLINE shaft shaft_of_ray(const rk_ray *ray)
 {
     const rk_slabs slabs = rk_slabs_of(ray);
@@ -44,13 +14,6 @@ RK_INLINE shaft shaft_of_ray(const rk_ray *ray)
                    .far_origin = slabs.origin4,
                    .far_inverse = slabs.inverse_far,
                    .signs = rk_simd4_movemask(slabs.is_backward) & 7};
-}
-
-RK_INLINE bool is_ordinary_ray(const tree_extent *extent, const rk_ray *ray, float longest)
-{
-    const rk_simd4 origin = rk_simd4_of(ray->origin);
-    rk_simd4 away = rk_simd4_max(origin - extent->low, extent->high - origin);
-    return is_ordinary(away[0] + away[1] + away[2], longest);
 }
 
 /* Tests triangles one by one, by features/watertight.h alone: for numbers so large or so small that
