@@ -374,6 +374,28 @@ RK_INLINE uint32_t ordinary_lanes(const sixteen *lanes)
            ~(tiny_lanes(d.x) | tiny_lanes(d.y) | tiny_lanes(d.z));
 }
 
+/* All that does not depend on the shaft, once the centre is known. */
+RK_INLINE void fill_lanes(packet *p, const sixteen *lanes, uint32_t active)
+{
+    const f16x3 o = lanes->origin, d = lanes->direction;
+    const rk_f16 one = rk_f16_all(1);
+    f16x3_store(p->start, o);
+    f16x3_store(p->inverse,
+                (f16x3){rk_f16_div(one, d.x), rk_f16_div(one, d.y), rk_f16_div(one, d.z)});
+    p->origin =
+        (f16x3){rk_f16_sub(o.x, rk_f16_all(p->center.x)), rk_f16_sub(o.y, rk_f16_all(p->center.y)),
+                rk_f16_sub(o.z, rk_f16_all(p->center.z))};
+    p->direction = d;
+    p->moment = f16x3_cross(p->origin, d);
+    p->filled = p->active = active;
+    p->known = 0xffff;
+    rk_f16_store(p->near, lanes->t_max);
+    rk_f16_store(p->far, lanes->t_max);
+    rk_f16_store(p->u, rk_f16_all(0));
+    rk_f16_store(p->v, rk_f16_all(0));
+    rk_put_words(p->triangle, RK_MISS, 0xffff);
+}
+
 /* Of ordinary lanes. False if floats might overflow. The shaft, except its signs, is left out if it
  * is not wanted. */
 RK_INLINE bool fill_packet(packet *p, const tree_extent *extent, sixteen lanes, uint32_t signs,
@@ -421,22 +443,7 @@ RK_INLINE bool fill_packet(packet *p, const tree_extent *extent, sixteen lanes, 
     p->shaft.signs = signs;
     if (with_shaft)
         set_shaft(&p->shaft, &from, &speeds);
-    const rk_f16 one = rk_f16_all(1);
-    f16x3_store(p->start, o);
-    f16x3_store(p->inverse,
-                (f16x3){rk_f16_div(one, d.x), rk_f16_div(one, d.y), rk_f16_div(one, d.z)});
-    p->origin =
-        (f16x3){rk_f16_sub(o.x, rk_f16_all(center[0])), rk_f16_sub(o.y, rk_f16_all(center[1])),
-                rk_f16_sub(o.z, rk_f16_all(center[2]))};
-    p->direction = d;
-    p->moment = f16x3_cross(p->origin, d);
-    p->filled = p->active = active;
-    p->known = 0xffff;
-    rk_f16_store(p->near, lanes.t_max);
-    rk_f16_store(p->far, lanes.t_max);
-    rk_f16_store(p->u, rk_f16_all(0));
-    rk_f16_store(p->v, rk_f16_all(0));
-    rk_put_words(p->triangle, RK_MISS, 0xffff);
+    fill_lanes(p, &lanes, active);
     return true;
 }
 

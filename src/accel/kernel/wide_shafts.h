@@ -86,17 +86,17 @@ RK_INLINE void trace_apart(packet *p, query kind, const rk_wide_bvh *wide, uint3
         p->farthest = rk_f16_largest(rk_f16_load(p->far));
 }
 
-/* The shaft is wider than its rays: it may enter a child that none of them does. */
-RK_INLINE void trace_packet(packet *p, query kind, const rk_wide_bvh *wide, mask_packets *flying,
-                            work *done)
+/* From a node on. The shaft is wider than its rays: it may enter a child that none of them does. */
+RK_INLINE void trace_packet(packet *p, query kind, const rk_wide_bvh *wide, uint32_t start,
+                            mask_packets *flying, work *done)
 {
     child_stack stack;
-    uint32_t child = 0;
+    uint32_t child = start;
     start_stack(&stack);
     while (child != no_child) {
         const float farthest = p->farthest;
         uint32_t lanes = p->active;
-        if (child != 0)
+        if (child != start)
             lanes = lanes_that_enter(p, wide, stack.box[stack.size]);
         if (lanes) {
             if (child & RK_WIDE_LEAF) {
@@ -123,6 +123,13 @@ RK_INLINE void trace_packet(packet *p, query kind, const rk_wide_bvh *wide, mask
         child = pop(&stack);
         fetch(wide, stack.child[stack.size ? stack.size - 1 : 0]); /* the one after it */
     }
+}
+
+/* Of packets alone and of a tile's: a second copy, inside the tile's loop, is slower. */
+static __attribute__((noinline)) void
+trace_closest(packet *p, const rk_wide_bvh *wide, uint32_t start, mask_packets *flying, work *done)
+{
+    trace_packet(p, CLOSEST, wide, start, flying, done);
 }
 
 #endif

@@ -2,7 +2,8 @@
  * of one text that is compiled once for each instruction set, which is why all of it is static;
  * begin with docs/94_kernel.md, which draws and counts what is named here.
  *
- *   batch of up to RK_BATCH_MAX rays
+ *   batch of up to RK_BATCH_MAX rays --> all from one point: tile (wide_tile.h), whose packets
+ *     |                                  have a shaft around all of them, and go on as below
  *     |  sixteen after sixteen,              the others
  *     |  those of nearly one direction         |  sorted by signs
  *     v                                        v
@@ -18,6 +19,9 @@
  * Shaft: contains a packet's rays; a child that it misses is missed by all of them. Of a child that
  * it enters, lanes_that_enter tests the rays themselves. A single ray is a shaft without width, so
  * that both enter a node's children by push_children.
+ *
+ * Tile: a batch of camera rays. Of a child that the shaft around all of them enters,
+ * packets_that_enter tests the shafts of its packets, one in each lane.
  *
  * Mask: of a child, with a bit for each lane whose ray enters it. Packets with masks take steps in
  * turn, so that none waits for memory.
@@ -36,7 +40,7 @@
 #define RK_ACCEL_KERNEL_WIDE_TRACE_H
 
 #include "accel/kernel/wide_kernel.h"
-#include "accel/kernel/wide_shafts.h"
+#include "accel/kernel/wide_tile.h"
 
 #include <string.h>
 
@@ -50,7 +54,7 @@ typedef struct batch {
     rk_hit_batch *hits;
     rk_occlusion_batch *answers;
     work done;
-    packet packets[packets_max];
+    packet packets[packets_max]; /* a tile has as many */
     mask_packets flying;
 } batch;
 
@@ -72,10 +76,30 @@ RK_INLINE uint32_t trace_sixteen(batch *b, query kind, uint32_t first)
     p->rays = b->rays;
     p->first = first;
     while (next_packet(p, &b->extent, &lanes, &left, &alone)) {
-        trace_packet(p, kind, b->wide, &b->flying, &b->done);
+        if (kind == CLOSEST)
+            trace_closest(p, b->wide, 0, &b->flying, &b->done);
+        else
+            trace_packet(p, kind, b->wide, 0, &b->flying, &b->done);
         put_results(b, kind, p);
     }
     return alone;
+}
+
+_Static_assert((int)tile_packets == (int)packets_max, "a batch has room for a tile's packets");
+
+/* The closest hits of a batch that is a tile; false, and nothing done, if it is none. */
+static __attribute__((noinline)) bool closest_of_tile(batch *b)
+{
+    tile t = {.packet = b->packets};
+    if (!start_tile(&t, &b->extent, b->rays))
+        return false;
+    trace_tile(&t, b->wide, &b->flying, &b->done);
+    for (uint32_t i = 0; i < tile_packets; i++)
+        if (t.filled >> i & 1)
+            put_hits(&t.packet[i], b->wide, b->hits);
+        else
+            put_misses(b->rays, i * packet_rays, b->hits);
+    return true;
 }
 
 /* --- Packets with masks ----------------------------------------------------------------------- */
@@ -228,7 +252,8 @@ RK_INLINE void trace(query kind, const rk_wide_bvh *wide, const rk_ray_batch *ra
     b.answers = answers;
     b.done = (work){0, 0};
     b.flying.count = b.flying.pairs.count = b.flying.pairs.filled = left.rays.count = 0;
-    for (uint32_t first = 0; first < rays->count; first += packet_rays)
+    const bool is_tile = kind == CLOSEST && closest_of_tile(&b);
+    for (uint32_t first = 0; !is_tile && first < rays->count; first += packet_rays)
         add_left(&left, first,
                  takes_shafts(kind) ? trace_sixteen(&b, kind, first) : lanes_of(rays, first));
     if (left.rays.count > 0)
