@@ -415,6 +415,8 @@ async function mistakes(browser) {
   await browser.until(`/run again/.test(document.getElementById("first").textContent)`);
   const where = await browser.value(`document.querySelector("#first > p").textContent`), at = text.split("\n").findIndex((one) => one.includes("return rk_vec(0.5f")) + 1;
   check(where === `in line ${at}`, "and the line is told in which the loop is", `${where}, want line ${at}`);
+  const told = await browser.value(`document.getElementById("state").textContent`);
+  check(/claims hold$/.test(told), "the count of claims stands there still", told);
   const wild = await type(browser, text.replace("return rk_normalize(", "float two[2] = {a.x, b.x};\n    int many = 0x7fffffff + (int)(a.x > -1e30f);\n    if (two[many & 1] > 1e30f) return a;\n    return rk_normalize("));
   check(/fault: the sum of two integers is beyond their type's range \(line \d+\)/.test(Object.values(wild.claims).join("\n")),
     "undefined behaviour is told with its kind and line", JSON.stringify(wild, null, 1));

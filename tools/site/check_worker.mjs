@@ -1,11 +1,11 @@
 // The worker of a page that checks units: it gets {site, stem} first, the addresses of what `make site` has made and the
 // suite's name, then {id, text, others} for each save, others: the texts of the course's other units. It sends {looks},
 // the steps with a picture, {loaded}, from 0 to 1, and of each text {id, said, built}, the compiler's words, then a
-// {id, verdict} for each claim, and {id, ends} with the seconds that each part took; when asked to {draw: step} it,
-// {id, drawn} with the picture of the first step from there on that has one, and to {explain: pixel},
-// {id, explained: {pixel, texts, isWritten}}: how the unit comes to that pixel, and how the kit's does if the site
-// has it. A newer text ends the claims and the picture of the last one. A text that was built at the last visit is
-// checked and drawn before clang is loaded.
+// {id, verdict} for each claim, {id, ends} with the seconds that each part took, and {id, located}, the verdict of a claim
+// that did not end with its place; when asked to {draw: step} it, {id, drawn} with the picture of the first step from
+// there on that has one, and to {explain: pixel}, {id, explained: {pixel, texts, isWritten}}: how the unit comes to that
+// pixel, and how the kit's does if the site has it. A newer text ends the claims and the picture of the last one. A text
+// that was built at the last visit is checked and drawn before clang is loaded.
 import {Builds} from "./builds.mjs";
 import {Checker} from "./checker.mjs";
 import {Drawer, sized} from "./drawer.mjs";
@@ -163,7 +163,7 @@ async function locate(id, unended) {
   const module = await WebAssembly.compile(suite);
   if (id !== latest) return;
   await checker.run(module, suite, [unended.claim], () => LIMIT, ({place}) => {
-    if (place.startsWith(`${stem}.c:`)) postMessage({id, verdict: {...unended, place, message: `${unended.message}; run again, it was here after 5 s`}});
+    if (place.startsWith(`${stem}.c:`)) postMessage({id, located: {...unended, place, message: `${unended.message}; run again, it was here after 5 s`}});
   });
 }
 

@@ -200,6 +200,10 @@ worker.onmessage = ({data}) => {
     seen = `${claim} ${place}`;
   }
   if (data.ends && data.ends.run !== undefined) show_end(data.ends);
+  if (data.located) {
+    verdicts.put(data.located);
+    show_first();
+  }
   if (data.drawn) show_drawn(data.drawn);
   if (data.explained) pixel.show(data.explained);
 };
