@@ -111,7 +111,7 @@ async function linked_reference({reference: name}) {
 async function explain(id, pixel, isWritten) {
   const {look, module} = shown, args = [kit.stem, ...sized(look.args, look.wanted)];
   const of = (unit) => kit.drawer.explain(unit, args, pixel, PICTURE_LIMIT), explained = [await of(module)];
-  if (look.reference && isWritten && explained[0] !== null && id === latest) {
+  if (look.reference && explained[0] !== null && id === latest) {
     reference = reference || await linked_reference(look);
     explained.push(await of(reference));
   }

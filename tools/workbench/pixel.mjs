@@ -96,8 +96,8 @@ export class Pixel {
   show({pixel, texts, isWritten = true}) {
     if (pixel.join() !== this.#place.join()) return;
     const parts = texts.map(parts_of), [{printed}] = parts;
-    showRayTrees(this.explained, parts.map(({said}) => said), ["your code", "the kit's"]);
-    if (!isWritten) this.explained.prepend(made("p", {textContent: "Until all steps are written, the kit's own code stands in for some, so that this is not compared with the kit's."}));
+    showRayTrees(this.explained, parts.map(({said}) => said), ["your code", "the kit's"], isWritten);
+    if (!isWritten) this.explained.prepend(made("p", {textContent: "Until all steps are written, the kit's own code stands in for some: the counts are not yours alone."}));
     if (printed) this.explained.append(made("p", {textContent: "Printed by your code until then:"}), printed_in(printed));
     const isAgain = this.explained.dataset.of === pixel.join();
     this.explained.dataset.of = pixel.join();

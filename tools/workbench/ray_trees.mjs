@@ -44,15 +44,16 @@ function firstDifference(way, whose) {
   return [made("p", {}, `The first difference${names.length ? `, in ${names.join(" \u203a ")}` : ""}:`), made("table", {}, ...rows)];
 }
 
-// Shows one explanation, or two and where they begin to differ, in an element; whose: their titles.
-export function showRayTrees(element, texts, whose) {
-  const roots = texts.map(treeOf), way = roots.length > 1 ? compare(...roots) : null;
+// Shows one explanation, or two and, unless they are not to be compared, where they begin to differ, in an element; whose:
+// their titles.
+export function showRayTrees(element, texts, whose, isCompared = true) {
+  const roots = texts.map(treeOf), areTwo = roots.length > 1 && isCompared, way = areTwo ? compare(...roots) : null;
   const trees = roots.map((root, i) => {
     if (!way) root.children.forEach(function unfold(node) { node.differs = undefined; node.children.forEach(unfold); });
     const nodes = root.children.map((node) => draw(node, way && way[way.length - 1][i]));
     return made("div", {}, made("b", {}, whose[i]), made("div", {className: "tree", tabIndex: 0}, ...nodes));
   });
-  const same = roots.length > 1 && /^camera ray$/m.test(texts[0]) ? [made("p", {}, "Both explain this pixel alike, along the one camera ray that is shown.")] : [];
+  const same = areTwo && /^camera ray$/m.test(texts[0]) ? [made("p", {}, "Both explain this pixel alike, along the one camera ray that is shown.")] : [];
   element.replaceChildren(...way ? firstDifference(way, whose) : same, made("div", {className: "trees"}, ...trees));
 }
 
