@@ -3,7 +3,7 @@
 // the steps with a picture, {loaded}, from 0 to 1, and of each text {id, said, built}, the compiler's words, then a
 // {id, verdict} for each claim, {id, ends} with the seconds that each part took, and {id, located}, the verdict of a claim
 // that did not end with its place; when asked to {draw: step} it, {id, drawn} with the picture of the first step from
-// there on that has one, and to {explain: pixel}, {id, explained: {pixel, texts, isWritten}}: how the unit comes to that
+// there on that has one, and to {explain: pixel}, {id, explained: {pixel, texts}}: how the unit comes to that
 // pixel, and how the kit's does if the site has it. A newer text ends the claims and the picture of the last one. A text
 // that was built at the last visit is checked and drawn before clang is loaded.
 import {Builds} from "./builds.mjs";
@@ -107,15 +107,14 @@ async function linked_reference({reference: name}) {
   return WebAssembly.compile(linked.bytes);
 }
 
-// isWritten: whether the unit has all its steps; else its counts are those of what stands in for them.
-async function explain(id, pixel, isWritten) {
+async function explain(id, pixel) {
   const {look, module} = shown, args = [kit.stem, ...sized(look.args, look.wanted)];
   const of = (unit) => kit.drawer.explain(unit, args, pixel, PICTURE_LIMIT), explained = [await of(module)];
   if (look.reference && explained[0] !== null && id === latest) {
     reference = reference || await linked_reference(look);
     explained.push(await of(reference));
   }
-  if (id === latest && !explained.includes(null)) postMessage({id, explained: {pixel, texts: explained, isWritten}});
+  if (id === latest && !explained.includes(null)) postMessage({id, explained: {pixel, texts: explained}});
 }
 
 // Returns what the texts are built into: {said, why, suite, starters, seconds}, and the unit's object.
@@ -170,7 +169,7 @@ async function locate(id, unended) {
 async function answer(data) {
   if (data.site) return begin(data);
   if (data.draw) await draw(data.id, data.draw);
-  else if (data.explain) await explain(data.id, data.explain, data.isWritten);
+  else if (data.explain) await explain(data.id, data.explain);
   else await check(data);
   if (data.draw || !build?.suite) await loaded(); // no earlier: the two processors have a kept picture to draw
 }

@@ -86,7 +86,7 @@ function show_first() {
 
 const pixel = new Pixel({pictures: shown("pictures"), own: shown("own"), wanted: shown("wanted"), said: shown("pixel"),
   explained: shown("explained")}, (place) => {
-  if (!shown("pictures").classList.contains("old")) worker.postMessage({id, explain: place, isWritten: !task.steps.some(({number}) => is_unwritten(number))});
+  if (!shown("pictures").classList.contains("old")) worker.postMessage({id, explain: place});
 });
 
 const ORDINALS = ["First", "Second", "Third", "Fourth", "Fifth", "Sixth", "Seventh", "Eighth", "Ninth"]; // as starters say
@@ -205,7 +205,7 @@ worker.onmessage = ({data}) => {
     show_first();
   }
   if (data.drawn) show_drawn(data.drawn);
-  if (data.explained) pixel.show(data.explained);
+  if (data.explained) pixel.show({...data.explained, isWritten: !task.steps.some(({number}) => is_unwritten(number))});
 };
 worker.onerror = () => { shown("state").textContent = "It does not go on: this browser has no workers that are modules"; };
 

@@ -201,7 +201,7 @@ RK_INLINE void go_on_alone(tile *t, const rk_wide_bvh *wide, uint32_t child, uin
 }
 
 /* A tile that misses all of the root's children costs one node. Nothing is dropped from the stack
- * after hits: packets_that_enter tells what lies behind. */
+ * after hits: packets_that_enter leaves out packets whose hits are closer than the child. */
 RK_INLINE void trace_tile(tile *t, const rk_wide_bvh *wide, mask_packets *flying, work *done)
 {
     child_stack stack;
