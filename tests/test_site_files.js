@@ -154,7 +154,7 @@ async function open_others(browser, address, folder) {
   await answered(browser, "");
 
   const other = await opened(browser, {"bloom.c": "int mine;\n"});
-  check(/^Open (?:these files|this file)\?\s+They take the place of your own text[^\n]*\s+bloom\.c: 6 /.test(other), "before another text of one's own is replaced, the page asks", other);
+  check(/^Open this file\?\s+It takes the place of your own text[^\n]*\s+bloom\.c: 6 /.test(other), "before another text of one's own is replaced, the page asks", other);
   const cancelled = await answered(browser, "");
   await answered(browser, "");
   await workbench(browser, address, "bloom");
@@ -173,7 +173,7 @@ async function open_others(browser, address, folder) {
 
   await workbench(browser, address, "shading");
   const elsewhere = await opened(browser, {"cubemap.c": reference("cubemap")});
-  check(/They belong to other assignments[^\n]*\s+cubemap\.c: 8 /.test(elsewhere), "before a file goes to another assignment, the page asks", elsewhere);
+  check(/It belongs to another assignment[^\n]*\s+cubemap\.c: 8 /.test(elsewhere), "before a file goes to another assignment, the page asks", elsewhere);
   await answered(browser, "");
   await answered(browser, "");
   const refused = await opened(browser, {"solution.c": "int a;\n", "cut.zip": fs.readFileSync(path.join(at, "pack.zip")).subarray(0, 400), "normals.c": fs.readFileSync(path.join(at, "pack.zip")), "bloom.c": Buffer.from([0xff, 0xfe])});
