@@ -8,9 +8,14 @@
 typedef float __m128 __attribute__((vector_size(16)));
 typedef double __m128d __attribute__((vector_size(16)));
 
+/* clang 14 makes a load and a splat of it one instruction, which it then moves behind later stores
+ * to the same place, so that lanes get others' numbers. */
+#define LIVE_IN_REGISTER(x) __asm__("" : "+r"(x))
+
 #define LIVE_SSE2(type, suffix, number, lanes)                                                     \
     static inline type _mm_set1_##suffix(number x)                                                 \
     {                                                                                              \
+        LIVE_IN_REGISTER(x);                                                                       \
         return (type)wasm_##lanes##_splat(x);                                                      \
     }                                                                                              \
     static inline type _mm_loadu_##suffix(const number *x)                                         \
