@@ -3,7 +3,7 @@
 set -u
 [ "${1-}" != --list ] || exit 0 # the driver asks for names of tests, which it can do without
 source=${srcdir:-.}
-[ -e "$source/docs/tools.md" ] && echo 1..5 || echo 1..4 # packs have no such page
+[ -e "$source/docs/tools.md" ] && echo 1..6 || echo 1..4 # packs have no such page, and no solutions
 if AWK="${AM_TAP_AWK:-awk}" "$source/tools/features.sh" --readme | cmp -s - "$source/README.md"; then
     echo "ok 1 - README's table is that of assignments/features.tsv"
 else
@@ -63,4 +63,23 @@ elif complaint=$(python3 -B "$source/tools/tools_page.py" --source "$source" --c
 else
     echo "$complaint" | sed 's/^/# /'
     echo "not ok 5 - $claim"
+fi
+
+claim="the places where the kit does a step in other words, which packs report, are there"
+if [ ! -e "$source/docs/tools.md" ]; then
+    :
+elif ! command -v python3 >/dev/null; then
+    echo "ok 6 - $claim # SKIP there is no python3"
+elif complaint=$(python3 -B - "$source" <<'EOF' 2>&1
+import sys
+from types import SimpleNamespace
+sys.path.insert(0, sys.argv[1] + "/tools")
+from grading import leak_check
+leak_check.steps_elsewhere(sys.argv[1], [SimpleNamespace(stem=stem) for stem, *_ in leak_check.SAME_STEPS])
+EOF
+); then
+    echo "ok 6 - $claim"
+else
+    echo "$complaint" | sed 's/^/# /'
+    echo "not ok 6 - $claim"
 fi
