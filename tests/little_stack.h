@@ -30,9 +30,8 @@ static inline void *build_on_fresh_stack(void *context)
 
 static inline size_t stack_to_build(const rk_mesh *mesh, tree_builder *build)
 {
-    const size_t bytes = (size_t)16 << 20;
-    unsigned char *stack =
-        mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    const size_t bytes = (size_t)16 << 20, words = bytes / sizeof(uint64_t);
+    uint64_t *stack = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     rk_check(stack != MAP_FAILED, "no memory for a stack of %zu bytes", bytes);
     build_in_thread work = {.build = build, .mesh = mesh};
     pthread_attr_t attributes;
@@ -46,10 +45,10 @@ static inline size_t stack_to_build(const rk_mesh *mesh, tree_builder *build)
     rk_check_ok(work.built, work.error);
     rk_bvh_free(&work.bvh);
     size_t untouched = 0;
-    while (untouched < bytes && stack[untouched] == 0)
+    while (untouched < words && stack[untouched] == 0)
         untouched++;
     munmap(stack, bytes);
-    return bytes - untouched;
+    return bytes - untouched * sizeof *stack;
 }
 
 /* For each triangle of the larger mesh, of 25,000 or more, a copy of its reference takes 40 bytes,

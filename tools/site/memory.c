@@ -35,6 +35,7 @@ enum { stack_end = 8 << 20, known_bytes = 256 << 20 };
 static int8_t *const margins = (int8_t *)stack_end;
 static uint8_t *const state_of = (uint8_t *)(stack_end + known_bytes / 8);
 static uint8_t **poison_of; /* of each page that has_poison; made when an instance begins */
+static uint8_t all_poison[poison_size]; /* of pages that belong to nothing as a whole */
 
 void *__real_malloc(size_t size);
 void *__real_aligned_alloc(size_t alignment, size_t size);
@@ -60,32 +61,53 @@ __attribute__((constructor(1))) static void begin(void)
         return;
     poison_of = (uint8_t **)(void *)grow(page_count * sizeof *poison_of);
     state_of[0] = no_read | no_write;
+    memset(all_poison, 0xff, sizeof all_poison);
 }
 
 /* --- Bytes that belong to nothing ------------------------------------------------------------- */
 
+/* What is known of a page's bytes, for what changes a part of it. */
+static uint8_t *own_poison(uintptr_t page)
+{
+    const uint8_t *before = poison_of[page];
+    if (!before || before == all_poison) {
+        poison_of[page] = __real_malloc(poison_size);
+        memset(poison_of[page], before ? 0xff : 0, poison_size);
+        state_of[page] |= has_poison;
+    }
+    return poison_of[page];
+}
+
+static void set_page_poison(uintptr_t page, bool is_set)
+{
+    if (poison_of[page] != all_poison)
+        __real_free(poison_of[page]);
+    poison_of[page] = is_set ? all_poison : NULL;
+    state_of[page] = (uint8_t)((state_of[page] & ~has_poison) | (is_set ? has_poison : 0));
+}
+
 static void set_poison(uintptr_t start, size_t size, bool is_set)
 {
     while (size > 0) {
-        uintptr_t page = start >> page_bits;
-        size_t first = start & (page_size - 1);
-        size_t count = size < page_size - first ? size : page_size - first;
-        if (!poison_of[page] && is_set) {
-            poison_of[page] = __real_malloc(poison_size);
-            memset(poison_of[page], 0, poison_size);
-            state_of[page] |= has_poison;
-        }
-        for (size_t i = first; i < first + count && poison_of[page]; i++) {
-            if (i % 8 == 0 && i + 8 <= first + count) {
-                poison_of[page][i / 8] = is_set ? 0xff : 0;
-                i += 7;
-            } else if (is_set)
-                poison_of[page][i / 8] |= (uint8_t)(1 << i % 8);
-            else
-                poison_of[page][i / 8] &= (uint8_t) ~(1 << i % 8);
-        }
+        const uintptr_t page = start >> page_bits;
+        const size_t first = start & (page_size - 1);
+        const size_t count = size < page_size - first ? size : page_size - first;
         start += count;
         size -= count;
+        if (count == page_size)
+            set_page_poison(page, is_set);
+        if (count == page_size || (!poison_of[page] && !is_set))
+            continue;
+        uint8_t *poison = own_poison(page);
+        for (size_t i = first; i < first + count; i++) {
+            if (i % 8 == 0 && i + 8 <= first + count) {
+                poison[i / 8] = is_set ? 0xff : 0;
+                i += 7;
+            } else if (is_set)
+                poison[i / 8] |= (uint8_t)(1 << i % 8);
+            else
+                poison[i / 8] &= (uint8_t) ~(1 << i % 8);
+        }
     }
 }
 
@@ -114,7 +136,7 @@ _Static_assert(sizeof(block) <= margin, "a header fits before its block");
 
 static block *blocks, *freed_first, *freed_last;
 static size_t freed_bytes;
-static const size_t freed_bytes_at_most = (size_t)32 << 20;
+static const size_t freed_bytes_at_most = (size_t)4 << 20;
 
 static uint32_t mark_of(const block *b)
 {
@@ -401,12 +423,36 @@ void __asan_storeN(uintptr_t at, size_t size)
     look(at, size, true);
 }
 
+/* Most are of a struct, or mark a variable, for which engines' own instructions, which call a
+ * function outside of the program, take longer. */
+enum { small = 64 };
+
+__attribute__((no_builtin("memcpy"))) static inline void copy_small(char *to, const char *from,
+                                                                    size_t size)
+{
+    size_t i = 0;
+    for (; i + sizeof(uint64_t) <= size; i += sizeof(uint64_t))
+        __builtin_memcpy(&to[i], &from[i], sizeof(uint64_t));
+    for (; i < size; i++)
+        to[i] = from[i];
+}
+
+__attribute__((no_builtin("memset"))) static inline void set_small(char *to, char value,
+                                                                   size_t size)
+{
+    for (size_t i = 0; i < size; i++)
+        to[i] = value;
+}
+
 void *__asan_memcpy(void *to, const void *from, size_t size);
 void *__asan_memcpy(void *to, const void *from, size_t size)
 {
     __asan_loadN((uintptr_t)from, size);
     __asan_storeN((uintptr_t)to, size);
-    return memcpy(to, from, size);
+    if (size > small)
+        return memcpy(to, from, size);
+    copy_small(to, from, size);
+    return to;
 }
 
 void *__asan_memmove(void *to, const void *from, size_t size);
@@ -428,7 +474,7 @@ void *__asan_memset(void *to, int value, size_t size)
     void __asan_set_shadow_##name(void *start, size_t size);                                       \
     void __asan_set_shadow_##name(void *start, size_t size)                                        \
     {                                                                                              \
-        memset(start, value, size);                                                                \
+        set_small(start, (char)value, size);                                                       \
     }
 
 SET_SHADOW(00, 0)
