@@ -423,8 +423,8 @@ void __asan_storeN(uintptr_t at, size_t size)
     look(at, size, true);
 }
 
-/* Most are of a struct, or mark a variable, for which engines' own instructions, which call a
- * function outside of the program, take longer. */
+/* Most copies are of a struct, for which engines' own instruction, which calls a function outside
+ * of the program, takes longer. */
 enum { small = 64 };
 
 __attribute__((no_builtin("memcpy"))) static inline void copy_small(char *to, const char *from,
@@ -435,13 +435,6 @@ __attribute__((no_builtin("memcpy"))) static inline void copy_small(char *to, co
         __builtin_memcpy(&to[i], &from[i], sizeof(uint64_t));
     for (; i < size; i++)
         to[i] = from[i];
-}
-
-__attribute__((no_builtin("memset"))) static inline void set_small(char *to, char value,
-                                                                   size_t size)
-{
-    for (size_t i = 0; i < size; i++)
-        to[i] = value;
 }
 
 void *__asan_memcpy(void *to, const void *from, size_t size);
@@ -474,7 +467,7 @@ void *__asan_memset(void *to, int value, size_t size)
     void __asan_set_shadow_##name(void *start, size_t size);                                       \
     void __asan_set_shadow_##name(void *start, size_t size)                                        \
     {                                                                                              \
-        set_small(start, (char)value, size);                                                       \
+        memset(start, value, size);                                                                \
     }
 
 SET_SHADOW(00, 0)
