@@ -14,6 +14,7 @@ const {serve} = require("./site_server.js");
 const [source, page, chromium, firefox] = process.argv.slice(2);
 const STEMS = ["normals", "bvh_median"];
 const RUNS = 5;
+const READING = 5000; // milliseconds between a picture and the next text, in which a page builds the last text again
 const TABLE = /(<!-- times of a site -->\n)([^]*?)(<!-- end -->\n)/;
 
 const median = (numbers) => [...numbers].sort((a, b) => a - b)[numbers.length >> 1];
@@ -54,6 +55,8 @@ async function typed(browser, text) {
   return JSON.parse(await browser.value(`JSON.stringify([window.said.verdict / 1000, window.said.picture / 1000])`));
 }
 
+const read = () => new Promise((resolve) => setTimeout(resolve, READING));
+
 // Returns {first, later, compiler, verdict, picture} in seconds: a first visit in a new browser, and medians.
 async function times_of(Kind, program, stem, root) {
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), "raykit-times-"));
@@ -71,10 +74,12 @@ async function times_of(Kind, program, stem, root) {
     await browser.value(`document.querySelector("#text .cm-content").focus()`);
     await browser.press("a");
     await typed(browser, reference);
+    await read();
     for (let run = 0; run < RUNS; run++) {
       const [verdict, picture] = await typed(browser, "\n");
       verdicts.push(verdict);
       pictures.push(picture);
+      await read();
     }
     return {first, later: median(later), compiler: median(compilers), verdict: median(verdicts), picture: median(pictures)};
   } finally {

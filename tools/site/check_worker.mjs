@@ -4,8 +4,9 @@
 // {id, verdict} for each claim, {id, ends} with the seconds that each part took, and {id, located}, the verdict of a claim
 // that did not end with its place; when asked to {draw: step} it, {id, drawn} with the picture of the first step from
 // there on that has one, and to {explain: pixel}, {id, explained: {pixel, texts}}: how the unit comes to that
-// pixel, and how the kit's does if the site has it. A newer text ends the claims and the picture of the last one. A text
-// that was built at the last visit is checked and drawn before clang is loaded.
+// pixel, and how the kit's does if the site has it. A newer text ends the claims and the picture of the last one; that
+// one will come is told by {typing: true}. A text that was built at the last visit is checked and drawn before clang is
+// loaded.
 import {Builds} from "./builds.mjs";
 import {Checker} from "./checker.mjs";
 import {Drawer, sized} from "./drawer.mjs";
@@ -17,9 +18,12 @@ const LIMIT = 10; // seconds for a claim
 const SHORT_LIMIT = 1; // after LATE_CLAIMS that did not end: a loop that the others run into as well
 const LATE_CLAIMS = 2;
 const PICTURE_LIMIT = 30;
+const REST = 1000; // milliseconds without a question after which clang is used for itself
+const EXTRA_BUILDS = 10;
 const WORKERS = Math.min(4, navigator.hardwareConcurrency || 1);
 
 let kit = null, tools = null, latest = null, texts = null, build = null, shown = null, reference = null;
+let course = null, questions = 0, rest = null, extra_builds = 0; // of course: the Others, once clang is loaded
 
 async function fetched(name) {
   const answer = await fetch(new URL(name, kit.site));
@@ -65,7 +69,15 @@ async function load() {
   Object.assign(drawer, {toolchain, kit: {archives: {"drivers.a": drivers, "kit.a": archive}, drivers: {[stem]: driver}}});
   checker.compile(stem, `#include "features/${stem}.h"\n`); // the engine compiles clang while it runs
   postMessage({loaded: 1});
-  return new Others(checker, open, starters);
+  return course = new Others(checker, open, starters);
+}
+
+// Engines optimize clang as it is used, and a page that rests has time for that: the last text is built some times more.
+function build_again() {
+  if (!course || !texts || extra_builds === EXTRA_BUILDS) return;
+  extra_builds++;
+  built(texts, course);
+  rest = setTimeout(build_again, REST);
 }
 
 // The driver's module with this unit, linked when it is first drawn.
@@ -128,10 +140,10 @@ async function check({id, text, others}) {
   const {checker, drawer} = kit, asked = {text, others};
   checker.end();
   drawer.end();
-  const kept = tools ? null : await kit.builds.kept(asked), course = kept ? null : await loaded();
+  const kept = tools ? null : await kit.builds.kept(asked), units = kept ? null : await loaded();
   if (id !== latest) return; // a newer one came meanwhile
   texts = asked;
-  build = kept || built(asked, course);
+  build = kept || built(asked, units);
   checker.places = new Map(build.places);
   if (kept) checker.took = new Map(build.took);
   const {said, why, suite, starters, seconds} = build, claims = (await kit.suites()).map(({name}) => name);
@@ -174,7 +186,13 @@ async function answer(data) {
   if (data.draw || !build?.suite) await loaded(); // no earlier: the two processors have a kept picture to draw
 }
 
-onmessage = ({data}) => {
+onmessage = async ({data}) => {
+  clearTimeout(rest);
+  if (data.typing) return;
   if (data.text !== undefined) latest = data.id;
-  return answer(data).catch((error) => postMessage({id: data.id, failed: error.message}));
+  questions++;
+  await answer(data).catch((error) => postMessage({id: data.id, failed: error.message}));
+  questions--;
+  clearTimeout(rest);
+  if (questions === 0) rest = setTimeout(build_again, REST);
 };

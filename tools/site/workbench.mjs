@@ -23,6 +23,7 @@ const editor = new Editor(shown("text"), "your code, in C", () => {
   clearTimeout(timer);
   typed = performance.now();
   timer = setTimeout(check, PAUSE);
+  worker.postMessage({typing: true});
   shown("shared").replaceChildren();
 });
 
