@@ -521,6 +521,107 @@ static void scattered_rays_share_the_work(void **state)
     rk_mesh_free(&mesh);
 }
 
+/* In all directions upwards, so that all have the same signs. */
+static rk_ray upward(uint32_t key, uint32_t i)
+{
+    const rk_vec3 n = noise3(key, 7000 + i);
+    return (rk_ray){rk_scale(noise3(key, i), 0.5f), rk_vec(fabsf(n.x), fabsf(n.y), 1), INFINITY};
+}
+
+/* Rays that do not travel as a tile look behind a wall that all of them hit at most where they had
+ * been about to go: a packet with masks visits the root's other children. */
+static void a_wall_ends_scattered_rays(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_soup(4096, 0.1f, 2);
+    for (uint32_t k = 0; k < mesh.vertex_count; k++)
+        mesh.positions[k] = rk_add(mesh.positions[k], rk_vec(2, 2, 3));
+    for (uint32_t k = 0; k < 3; k++)
+        mesh.positions[k] = rk_vec((float)k * 20 - 20, k == 1 ? 20 : -20, 1);
+    trees t = build(&mesh);
+    rk_ray_batch rays = {.count = 0}, short_rays;
+    for (uint32_t i = 0; i < RK_BATCH_MAX; i++) {
+        const rk_ray ray = upward(1, i);
+        rk_batch_push(&rays, &ray);
+    }
+    const uint64_t limit[] = {4, 2}; /* without an end: 27 times and more */
+    short_rays = rays;
+    for (uint32_t i = 0; i < RK_BATCH_MAX; i++)
+        short_rays.t_max[i] = (1 - rays.origin_z[i]) * 1.001f;
+    rk_check_equal(check_batch(&t, &rays, "wall", 0), RK_BATCH_MAX, "all rays hit the wall");
+    for (int k = 0; k < name_count; k++) {
+        const rk_wide_kernel *kernel = rk_wide_kernel_named(names[k], NULL);
+        rk_counters got[2] = {{0}, {0}}, want[2] = {{0}, {0}};
+        rk_hit_batch hits;
+        rk_occlusion_batch answers;
+        if (!kernel)
+            continue;
+        kernel->closest(&t.wide, &rays, &hits, &got[0]);
+        kernel->closest(&t.wide, &short_rays, &hits, &want[0]);
+        kernel->occluded(&t.wide, &rays, &answers, &got[1]);
+        kernel->occluded(&t.wide, &short_rays, &answers, &want[1]);
+        for (int q = 0; q < 2; q++)
+            rk_check(got[q].box_tests <= limit[q] * want[q].box_tests,
+                     "%s, %s: %llu boxes are tested, %llu by rays that end at the wall", names[k],
+                     q ? "occlusion" : "closest hits", (unsigned long long)got[q].box_tests,
+                     (unsigned long long)want[q].box_tests);
+    }
+    free_trees(&t);
+    rk_mesh_free(&mesh);
+}
+
+/* Rays that touch a box at its corner alone, where the triangle has a vertex: they enter and leave
+ * it at t = 1, whose two roundings must not lose the triangle. Whole numbers are exact. */
+static void rays_at_the_corner_of_a_box_agree(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_mesh(1);
+    mesh.positions[1] = rk_vec(1, 0, 1);
+    mesh.positions[2] = rk_vec(0, 1, 1);
+    mesh.positions[0] = rk_vec(0, 0, 0);
+    trees t = build(&mesh);
+    uint32_t hit_count = 0;
+    for (uint32_t key = 0; key < 200; key++) {
+        const uint32_t apart = key % 2 ? 4000 : 4; /* in all directions, or nearly one */
+        rk_ray_batch rays = {.count = 0};
+        for (uint32_t i = 0; i < 1 + key; i++) {
+            float to[3];
+            for (uint32_t k = 0; k < 3; k++)
+                to[k] = (float)((key % 4 < 2 ? 1u : 3000u) + rk_hash(key, i, k, 8) % apart);
+            const rk_vec3 direction = rk_vec(to[0], -to[1], to[2]);
+            const rk_ray ray = {rk_scale(direction, -1), direction, INFINITY};
+            rk_batch_push(&rays, &ray);
+        }
+        hit_count += check_batch(&t, &rays, "corner", key);
+    }
+    rk_check(hit_count > 1000, "only %u rays have a hit", hit_count);
+    free_trees(&t);
+    rk_mesh_free(&mesh);
+}
+
+/* The last t_max that leaves a hit, and the one before it. */
+static void rays_that_end_at_their_hits_agree(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_soup(500, 0.3f, 9);
+    trees t = build(&mesh);
+    uint32_t hit_count = 0;
+    for (uint32_t key = 0; key < 40; key++) {
+        rk_ray_batch rays = {.count = 0};
+        rk_counters counters = {0};
+        for (uint32_t i = 0; i < RK_BATCH_MAX; i++) {
+            rk_ray ray = {noise3(key, key % 2 ? i : 0), noise3(key, 900 + i), INFINITY};
+            const rk_hit hit = rk_bvh_closest(&t.bvh, &ray, &counters);
+            ray.t_max = i % 2 ? hit.t : nextafterf(hit.t, 0);
+            rk_batch_push(&rays, &ray);
+        }
+        hit_count += check_batch(&t, &rays, "to its hit", key);
+    }
+    rk_check(hit_count > 1000, "only %u rays have a hit", hit_count);
+    free_trees(&t);
+    rk_mesh_free(&mesh);
+}
+
 /* --- Tiles ------------------------------------------------------------------------------------ */
 
 /* A camera's tile: 256 rays from one point, away from the origin, through a square near it. No
@@ -568,6 +669,27 @@ static void tiles_find_the_hits_of_single_rays(void **state)
         free_trees(&t);
         rk_mesh_free(&mesh);
     }
+}
+
+/* A tile goes as far as the longest of its rays. */
+static void rays_of_a_tile_end_where_each_does(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_soup(512, 0.3f, 5);
+    trees t = build(&mesh);
+    uint32_t hit_count = 0;
+    for (uint32_t lane = 0; lane < 16; lane++)
+        for (uint32_t octant = 0; octant < 8; octant++) {
+            rk_ray_batch rays;
+            fill_tile(&rays, octant, rk_vec(0, 0.1f, 0), 0.7f);
+            for (uint32_t i = 0; i < RK_BATCH_MAX; i++)
+                if ((octant % 2 ? i % 16 : i / 16) == lane)
+                    rays.t_max[i] = 0.1f;
+            hit_count += check_batch(&t, &rays, "tile, lane", lane);
+        }
+    rk_check(hit_count > 10000, "only %u rays have a hit", hit_count);
+    free_trees(&t);
+    rk_mesh_free(&mesh);
 }
 
 /* Behind a wall, which all rays hit, nothing is looked at: the counts are those of rays that end
@@ -767,9 +889,13 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(packets_share_the_work),
     cmocka_unit_test(scattered_rays_agree_in_batches_of_all_sizes),
     cmocka_unit_test(scattered_rays_share_the_work),
+    cmocka_unit_test(a_wall_ends_scattered_rays),
+    cmocka_unit_test(rays_at_the_corner_of_a_box_agree),
+    cmocka_unit_test(rays_that_end_at_their_hits_agree),
     cmocka_unit_test(shadow_rays_of_different_signs_share_the_work),
     cmocka_unit_test(a_nan_leaves_its_neighbours_alone),
     cmocka_unit_test(tiles_find_the_hits_of_single_rays),
+    cmocka_unit_test(rays_of_a_tile_end_where_each_does),
     cmocka_unit_test(a_wall_hides_what_is_behind),
     cmocka_unit_test(one_packet_of_a_tile_hits),
     cmocka_unit_test(a_tile_that_misses_tests_one_node),
