@@ -288,7 +288,7 @@ async function unwritten(browser, address) {
   check(/compile [\d.]+ s/.test(seconds) && !/last key/.test(seconds), "before any key nothing is said of the last one", seconds);
   const first = await drawn();
   const whose = await browser.value(`document.getElementById("whose").textContent`);
-  check(/^Step 1: not written yet/.test(first) && whose === "by the text as it is, without step 1", "a picture that the starter draws is not called the wanted one, or the student's", `${whose}\n${first}`);
+  check(/^Step 1: not written yet/.test(first) && whose === "by your code, without step 1", "a picture that the starter draws is not called the wanted one, or the student's", `${whose}\n${first}`);
   await browser.value(`document.getElementById("own").click()`);
   await browser.until(`document.getElementById("explained").dataset.of`);
   const tree = await browser.value(`document.getElementById("explained").innerText`);
@@ -412,7 +412,7 @@ async function mistakes(browser) {
   const loop = await type(browser, text.replace("return rk_vec(0.5f", "for (volatile int k = 0; k < 2; k = 0) { }\n    return rk_vec(0.5f"));
   const limits = Object.values(loop.claims).filter((said) => /no verdict after 1 s/.test(said)).length;
   check(/no verdict after 10 s/.test(loop.first) && limits > 0, "after two claims that did not end the others get less time", JSON.stringify(loop, null, 1));
-  await browser.until(`/run again/.test(document.getElementById("first").textContent)`);
+  await browser.until(`/ran again/.test(document.getElementById("first").textContent)`);
   const where = await browser.value(`document.querySelector("#first > p").textContent`), at = text.split("\n").findIndex((one) => one.includes("return rk_vec(0.5f")) + 1;
   check(where === `in line ${at}`, "and the line is told in which the loop is", `${where}, want line ${at}`);
   const told = await browser.value(`document.getElementById("state").textContent`);

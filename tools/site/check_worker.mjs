@@ -24,6 +24,7 @@ const WORKERS = Math.min(4, navigator.hardwareConcurrency || 1);
 
 let kit = null, tools = null, latest = null, texts = null, build = null, shown = null, reference = null;
 let course = null, questions = 0, rest = null, extra_builds = 0; // of course: the Others, once clang is loaded
+let located = null; // resolves when a claim that did not end has its place
 
 async function fetched(name) {
   const answer = await fetch(new URL(name, kit.site));
@@ -91,6 +92,7 @@ async function linked_driver() {
 async function draw(id, step) {
   const {checker, drawer, stem} = kit, looks = await kit.looks();
   if (id !== latest || !build?.suite) return;
+  await located; // the line first: a loop that does not end has no picture either
   await linked_driver();
   if (id !== latest) return;
   const look = looks.find((other) => other.step >= step) || looks[looks.length - 1], {driver, undrawn} = build;
@@ -163,7 +165,7 @@ async function check({id, text, others}) {
     postMessage({id, verdict});
   });
   if (id === latest) postMessage({id, ends: {...seconds, starters, run: (performance.now() - started) / 1000}});
-  if (id === latest && unended) await locate(id, unended);
+  if (id === latest && unended) await (located = locate(id, unended));
 }
 
 // Says where in the unit a claim is that did not end: it runs again, and stops there after some seconds (memory.c).
@@ -174,7 +176,7 @@ async function locate(id, unended) {
   const module = await WebAssembly.compile(suite);
   if (id !== latest) return;
   await checker.run(module, suite, [unended.claim], () => LIMIT, ({place}) => {
-    if (place.startsWith(`${stem}.c:`)) postMessage({id, located: {...unended, place, message: `${unended.message}; run again, it was here after 5 s`}});
+    if (place.startsWith(`${stem}.c:`)) postMessage({id, located: {...unended, place, message: `${unended.message}; when it ran again, it was still here after 5 s`}});
   });
 }
 

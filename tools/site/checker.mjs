@@ -112,7 +112,8 @@ export class Checker {
     if (offsets.length === 0) return "";
     const calls = `${bytes.length} ${offsets}`;
     if (!this.places.has(calls) && this.toolchain) {
-      const place = this.toolchain.places(bytes, offsets).find(({line}) => line);
+      const places = this.toolchain.places(bytes, offsets).filter(({line}) => line);
+      const place = places.find(({file}) => file.endsWith(".c")) || places[0]; // not what a unit includes
       this.places.set(calls, place ? `${place.file.replace(/.*\//, "")}:${place.line}` : "");
     }
     return this.places.get(calls) || "";

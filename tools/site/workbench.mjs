@@ -106,7 +106,7 @@ const STAND_IN = "the picture is traced through the renderer's own tree"; // say
 // Why a picture is not the student's work: {whose, why}; or null.
 function instead({step, args}, said) {
   if (!args.includes("--debug") && said.includes(STAND_IN)) return {whose: "not by your code yet", why: "your tree finds no triangles yet, and the kit's is used in its place"};
-  return is_unwritten(step) ? {whose: `by the text as it is, without step ${step}`, why: UNWRITTEN} : null;
+  return is_unwritten(step) ? {whose: `by your code, without step ${step}`, why: UNWRITTEN} : null;
 }
 
 function said_of_picture({step}, share) {
@@ -114,7 +114,7 @@ function said_of_picture({step}, share) {
 }
 
 function without_picture(step, words, place) {
-  const reason = is_unwritten(step) ? "is not written yet, and draws nothing" : `draws nothing${place ? "" : ", and the driver says why"}`;
+  const reason = is_unwritten(step) ? "is not written yet, and draws nothing" : `draws nothing${place ? "" : ", and the program says why"}`;
   show_undrawn(`Step ${step} ${reason}`, words, {open: !is_unwritten(step), more: place ? [" (", place_of(place), ")"] : []});
 }
 
@@ -134,7 +134,7 @@ async function show_drawn({look, pixels, width, height, said, fault, place, seco
   shown("whose").textContent = other?.whose || "by your code";
   shown("legend").textContent = differ ? `where they differ: white is equal, black differs by ${BLACK_AT} of 255 or more` : "equal";
   shown("drawn").textContent = `Step ${look.step}: ${other?.why || said_of_picture(look, differ && share)}; drawn in ${seconds.toFixed(2)} s${starters_named(said)}`;
-  pixel.drawn(look.step);
+  pixel.drawn(look.step, look.args.includes("--debug"));
 }
 
 // What to do when all claims hold.

@@ -16,6 +16,7 @@ function parts_of(text) {
 export class Pixel {
   #place = [0, 0]; // x and y from the top left, in the student's picture
   #step = null;  // whose picture is shown
+  #isView = false;
   #asks = false; // for the pixel's explanation
 
   // pictures: the element with the canvases {own, wanted}, and a third that is no colour, all of one shape; said: where
@@ -74,8 +75,9 @@ export class Pixel {
     this.ask(this.#place);
   }
 
-  // There is another picture, of this step: if it was this step's before, the same pixel is explained again.
-  drawn(step) {
+  // There is another picture, of this step: if it was this step's before, the same pixel is explained again. isView: it
+  // shows more than the scene, such as boxes of a tree.
+  drawn(step, isView = false) {
     const {width, height} = this.own;
     if (step !== this.#step) {
       this.#place = [width >> 1, height >> 1];
@@ -88,6 +90,7 @@ export class Pixel {
       this.#tell();
     }
     this.#step = step;
+    this.#isView = isView;
     if (this.#asks) this.ask(this.#place);
   }
 
@@ -98,6 +101,7 @@ export class Pixel {
     const parts = texts.map(parts_of), [{printed}] = parts;
     showRayTrees(this.explained, parts.map(({said}) => said), ["your code", "the kit's"], isWritten);
     if (!isWritten) this.explained.prepend(made("p", {textContent: "Until all steps are written, the kit's own code stands in for some: the counts are not yours alone."}));
+    if (this.#isView) this.explained.prepend(made("p", {textContent: "The picture shows the tree as well. This is how the scene alone gets its colour there."}));
     if (printed) this.explained.append(made("p", {textContent: "Printed by your code until then:"}), printed_in(printed));
     const isAgain = this.explained.dataset.of === pixel.join();
     this.explained.dataset.of = pixel.join();

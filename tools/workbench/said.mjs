@@ -46,13 +46,13 @@ export function show_said(words, is_built, place_of) {
 }
 
 // What to say of a picture whose step is left to write.
-export const UNWRITTEN = "not written yet; this is drawn by the text as it is";
+export const UNWRITTEN = "not written yet; this is what your code draws without it";
 
 // What to say of a picture that is the wanted one.
 export const said_of_wanted = (is_broken) => is_broken ? "the wanted picture, but some claims up to this step fail, which it does not show" : "the wanted picture";
 
 // Why there is no picture, with the driver's words to unfold; more: what follows them.
 export function show_undrawn(reason, words, {open, more = []}) {
-  const detail = made("details", {open}, made("summary", {textContent: "What the driver says"}), words, ...more);
+  const detail = made("details", {open}, made("summary", {textContent: "What the program says"}), words, ...more);
   shown("drawn").replaceChildren(`${reason}.`, ...(words ? [detail] : []));
 }
