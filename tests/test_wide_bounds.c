@@ -72,19 +72,26 @@ static parts parts_of(const numbers *n, const double found[quantities], double b
     return result;
 }
 
+/* Pairs of the ray and a block of the triangle, to fill a register. */
+static void fill_pairs(pairs *q, const numbers *n, const rk_wide_block *block)
+{
+    for (int i = 0; i < (int)pairs_at_once; i++) {
+        q->block[i] = block;
+        q->edge[i] = block->edge;
+        q->longest[i] = longest_of(vector_at(n, direction));
+        q->far[i] = INFINITY;
+        for (int k = 0; k < 3; k++) {
+            q->origin[k][i] = n->at[origin + k];
+            q->direction[k][i] = n->at[direction + k];
+        }
+    }
+}
+
 static parts parts_of_ray(const numbers *n)
 {
     const rk_wide_block block = block_of(n);
     pairs q;
-    for (int i = 0; i < (int)pairs_at_once; i++) {
-        q.block[i] = &block;
-        q.edge[i] = block.edge;
-        q.longest[i] = longest_of(vector_at(n, direction));
-        for (int k = 0; k < 3; k++) {
-            q.origin[k][i] = n->at[origin + k];
-            q.direction[k][i] = n->at[direction + k];
-        }
-    }
+    fill_pairs(&q, n, &block);
     const determinants d = determinants_of(&q, 0);
     const double found[quantities] = {(double)d.u[0], (double)d.v[0], (double)d.w[0],
                                       (double)d.det[0], (double)d.t[0]};
@@ -275,9 +282,42 @@ static void errors_in_packets_come_to_more_than_half_of_their_bounds(void **stat
     check_hardest(parts_of_packet, hardest_for_packets, "packets");
 }
 
+/* Rays across each edge of a triangle, in small steps. Where a determinant is within its bound,
+ * float decides neither that the ray hits nor that it misses. */
+static void no_ray_within_a_bound_is_decided(void **state)
+{
+    (void)state;
+    const numbers middle = {{0, 0, 0, 1, 0, 0, 0, 1, 0, 0.25f, 0.25f, -1, 0, 0, 1}};
+    const float to[3][2] = {{-0.25f, 0}, {0, -0.25f}, {0.25f, 0.25f}}; /* where u, v or w is 0 */
+    uint32_t undecided[3] = {0};
+    for (int edge = 0; edge < 3; edge++)
+        for (int step = -60; step <= 60; step++) {
+            numbers n = middle;
+            for (int k = 0; k < 2; k++)
+                n.at[direction + k] = to[edge][k] * (1 + (float)step * 0x1p-21f);
+            const rk_wide_block block = block_of(&n);
+            pairs q;
+            verdict found;
+            fill_pairs(&q, &n, &block);
+            test_quads(&found, &q, 0);
+            const determinants d = determinants_of(&q, 0);
+            const float bound = d.bound[0], of[] = {d.u[0], d.v[0], d.w[0] * part_of_w};
+            if (fabsf(of[edge]) > bound)
+                continue;
+            undecided[edge]++;
+            rk_check(found.may & 1 && !((found.hits | found.close) & 1),
+                     "%s is %.3g, its bound is %.3g, and float decides", names[edge],
+                     (double)of[edge], (double)bound);
+        }
+    for (int edge = 0; edge < 3; edge++)
+        rk_check(undecided[edge] > 10 && undecided[edge] < 110,
+                 "%u of 121 rays are within the bound of %s", undecided[edge], names[edge]);
+}
+
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(errors_come_to_more_than_half_of_their_bounds),
     cmocka_unit_test(errors_in_packets_come_to_more_than_half_of_their_bounds),
+    cmocka_unit_test(no_ray_within_a_bound_is_decided),
     cmocka_unit_test(no_search_finds_an_error_beyond_its_bound),
 };
 
