@@ -67,6 +67,12 @@ async function workbench(browser, address, stem) {
     return answer.ok && (!place || page.getElementById(place)) ? "" : href;
   })).then((all) => all.join(" ").trim())`);
   check(dead === "", `${stem}: its links lead somewhere`, dead);
+  const [name, line] = await browser.value(`(() => {
+    const button = [...document.querySelectorAll("#steps button.code")].pop();
+    button.click();
+    return [button.textContent, document.querySelector("#text .cm-activeLine").textContent];
+  })()`);
+  check(line.includes(`${name.replace(/\(\)$/, "")}(`) && !line.endsWith(";"), `${stem}: the task's names of functions lead to them`, `${name}: ${line}`);
 }
 
 // What was typed is there again, with its history, when the page is opened anew.

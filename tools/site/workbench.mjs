@@ -8,7 +8,7 @@ import {keep, kept} from "./kept.mjs";
 import {unpacked} from "./packed.mjs";
 import {Pixel} from "./pixel.mjs";
 import {UNWRITTEN, said_of_wanted, show_said, show_undrawn} from "./said.mjs";
-import {place_in_suite, show_task} from "./task.mjs";
+import {link_functions, place_in_suite, show_task} from "./task.mjs";
 import {Verdicts, show_box} from "./verdicts.mjs";
 import {Work} from "./work.mjs";
 
@@ -281,6 +281,7 @@ async function begin() {
     made("option", {value: other, selected: other === stem, textContent: `${number} ${title}`})));
   shown("assignment").onchange = ({target}) => { location.search = target.value; };
   show_task(task, {element: html, header_text: header_in});
+  link_functions(starter, () => editor.text(), (line) => editor.show(line));
   document.getElementById(decodeURIComponent(location.hash.slice(1)))?.scrollIntoView(); // from a chapter: #step-2
   if (!work.open(starter)) {
     editor.foldGiven();

@@ -28,6 +28,21 @@ export function place_in_suite(task, place) {
   }});
 }
 
+// The line on which a function's definition begins, or 0.
+function line_of_function(text, name) {
+  const found = /^\w+$/.test(name) && text.match(new RegExp(`^(?=[a-z])[^;{}()\\n]*\\b${name}\\([^;{}]*\\)\\s*\\{`, "m"));
+  return found ? text.slice(0, found.index).split("\n").length : 0;
+}
+
+// Makes the task's names of functions that the starter defines buttons that show them. text() is the unit's, show(line)
+// leads there.
+export function link_functions(starter, text, show) {
+  for (const code of shown("steps").querySelectorAll("code:not(.prototype)")) {
+    const {textContent} = code, name = textContent.replace(/\(\)$/, "");
+    if (line_of_function(starter, name)) code.replaceWith(made("button", {className: "place code", textContent, onclick: () => show(line_of_function(text(), name) || 1)}));
+  }
+}
+
 // task: what task_page.py says of an assignment. element(tag, text, more) makes an element of one of its texts;
 // header_text(name) resolves to a header of the kit.
 export function show_task(task, {element, header_text}) {
