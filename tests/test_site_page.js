@@ -279,6 +279,11 @@ async function a_pixel_is_explained(browser) {
   for (const key of ["ArrowLeft", "ArrowUp", "Enter"]) await browser.key(key);
   const [x, y] = place.of.split(",").map(Number), aimed = await explained([x - 1, y - 1]);
   check(aimed.said.startsWith(`Pixel ${x - 1},${y - 1}: `), "arrow keys aim at a pixel, and Enter asks", JSON.stringify(aimed));
+  const closed = await browser.value(`(() => {
+    document.querySelector("#explained > button").click();
+    return [document.getElementById("explained").textContent, document.querySelector("#pictures.aimed"), document.getElementById("pixel").textContent];
+  })()`);
+  check(closed[0] === "" && !closed[1] && closed[2].startsWith("Click a pixel"), "an explanation can be closed", JSON.stringify(closed));
 }
 
 // With a starter: what is shown though it is not the student's, or not at all.

@@ -75,17 +75,21 @@ export class Pixel {
     this.ask(this.#place);
   }
 
+  #close() {
+    this.#asks = false;
+    this.explained.replaceChildren();
+    delete this.explained.dataset.of;
+    this.pictures.classList.remove("aimed");
+    this.said.replaceChildren("Click a pixel of a picture to see how it gets its colour; by keys, arrows aim and Enter asks.");
+  }
+
   // There is another picture, of this step: if it was this step's before, the same pixel is explained again. isView: it
   // shows more than the scene, such as boxes of a tree.
   drawn(step, isView = false) {
     const {width, height} = this.own;
     if (step !== this.#step) {
       this.#place = [width >> 1, height >> 1];
-      this.#asks = false;
-      this.explained.replaceChildren();
-      delete this.explained.dataset.of;
-      this.pictures.classList.remove("aimed");
-      this.said.replaceChildren("Click a pixel of a picture to see how it gets its colour; by keys, arrows aim and Enter asks.");
+      this.#close();
     } else if (this.pictures.classList.contains("aimed")) {
       this.#tell();
     }
@@ -103,6 +107,7 @@ export class Pixel {
     if (!isWritten) this.explained.prepend(made("p", {textContent: "Until all steps are written, the kit's own code stands in for some: the counts are not yours alone."}));
     if (this.#isView) this.explained.prepend(made("p", {textContent: "The picture shows the tree as well. This is how the scene alone gets its colour there."}));
     if (printed) this.explained.append(made("p", {textContent: "Printed by your code until then:"}), printed_in(printed));
+    this.explained.prepend(made("button", {textContent: "Close the explanation", onclick: () => this.#close()}));
     const isAgain = this.explained.dataset.of === pixel.join();
     this.explained.dataset.of = pixel.join();
     if (!isAgain) this.explained.scrollIntoView({block: "nearest"});
