@@ -521,6 +521,26 @@ static void scattered_rays_share_the_work(void **state)
     rk_mesh_free(&mesh);
 }
 
+static rk_counters count_closest(const rk_wide_kernel *kernel, const trees *t,
+                                 const rk_ray_batch *rays)
+{
+    rk_counters counters = {0};
+    rk_hit_batch hits;
+    kernel->closest(&t->wide, rays, &hits, &counters);
+    return counters;
+}
+
+/* A soup that is moved by so much, behind a triangle that hides it, at z = 1. */
+static rk_mesh make_soup_behind_wall(rk_vec3 by)
+{
+    rk_mesh mesh = make_soup(4096, 0.1f, 2);
+    for (uint32_t k = 0; k < mesh.vertex_count; k++)
+        mesh.positions[k] = rk_add(mesh.positions[k], by);
+    for (uint32_t k = 0; k < 3; k++)
+        mesh.positions[k] = rk_vec((float)k * 20 - 20, k == 1 ? 20 : -20, 1);
+    return mesh;
+}
+
 /* In all directions upwards, so that all have the same signs. */
 static rk_ray upward(uint32_t key, uint32_t i)
 {
@@ -533,11 +553,7 @@ static rk_ray upward(uint32_t key, uint32_t i)
 static void a_wall_ends_scattered_rays(void **state)
 {
     (void)state;
-    rk_mesh mesh = make_soup(4096, 0.1f, 2);
-    for (uint32_t k = 0; k < mesh.vertex_count; k++)
-        mesh.positions[k] = rk_add(mesh.positions[k], rk_vec(2, 2, 3));
-    for (uint32_t k = 0; k < 3; k++)
-        mesh.positions[k] = rk_vec((float)k * 20 - 20, k == 1 ? 20 : -20, 1);
+    rk_mesh mesh = make_soup_behind_wall(rk_vec(2, 2, 3));
     trees t = build(&mesh);
     rk_ray_batch rays = {.count = 0}, short_rays;
     for (uint32_t i = 0; i < RK_BATCH_MAX; i++) {
@@ -551,13 +567,11 @@ static void a_wall_ends_scattered_rays(void **state)
     rk_check_equal(check_batch(&t, &rays, "wall", 0), RK_BATCH_MAX, "all rays hit the wall");
     for (int k = 0; k < name_count; k++) {
         const rk_wide_kernel *kernel = rk_wide_kernel_named(names[k], NULL);
-        rk_counters got[2] = {{0}, {0}}, want[2] = {{0}, {0}};
-        rk_hit_batch hits;
         rk_occlusion_batch answers;
         if (!kernel)
             continue;
-        kernel->closest(&t.wide, &rays, &hits, &got[0]);
-        kernel->closest(&t.wide, &short_rays, &hits, &want[0]);
+        rk_counters got[2] = {count_closest(kernel, &t, &rays)};
+        rk_counters want[2] = {count_closest(kernel, &t, &short_rays)};
         kernel->occluded(&t.wide, &rays, &answers, &got[1]);
         kernel->occluded(&t.wide, &short_rays, &answers, &want[1]);
         for (int q = 0; q < 2; q++)
@@ -576,9 +590,9 @@ static void rays_at_the_corner_of_a_box_agree(void **state)
 {
     (void)state;
     rk_mesh mesh = make_mesh(1);
+    mesh.positions[0] = rk_vec(0, 0, 0);
     mesh.positions[1] = rk_vec(1, 0, 1);
     mesh.positions[2] = rk_vec(0, 1, 1);
-    mesh.positions[0] = rk_vec(0, 0, 0);
     trees t = build(&mesh);
     uint32_t hit_count = 0;
     for (uint32_t key = 0; key < 200; key++) {
@@ -638,15 +652,6 @@ static void fill_tile(rk_ray_batch *rays, uint32_t octant, rk_vec3 to, float wid
     }
 }
 
-static rk_counters count_tile(const rk_wide_kernel *kernel, const trees *t,
-                              const rk_ray_batch *rays)
-{
-    rk_counters counters = {0};
-    rk_hit_batch hits;
-    kernel->closest(&t->wide, rays, &hits, &counters);
-    return counters;
-}
-
 static void tiles_find_the_hits_of_single_rays(void **state)
 {
     (void)state;
@@ -697,11 +702,7 @@ static void rays_of_a_tile_end_where_each_does(void **state)
 static void a_wall_hides_what_is_behind(void **state)
 {
     (void)state;
-    rk_mesh mesh = make_soup(4096, 0.1f, 2);
-    for (uint32_t k = 0; k < mesh.vertex_count; k++)
-        mesh.positions[k].z += 3;
-    for (uint32_t k = 0; k < 3; k++)
-        mesh.positions[k] = rk_vec((float)k * 20 - 20, k == 1 ? 20 : -20, 1);
+    rk_mesh mesh = make_soup_behind_wall(rk_vec(0, 0, 3));
     trees t = build(&mesh);
     for (uint32_t key = 0; key < 4; key++) {
         rk_ray_batch rays, short_rays;
@@ -715,8 +716,8 @@ static void a_wall_hides_what_is_behind(void **state)
             const rk_wide_kernel *kernel = rk_wide_kernel_named(names[k], NULL);
             if (!kernel)
                 continue;
-            const rk_counters got = count_tile(kernel, &t, &rays);
-            const rk_counters want = count_tile(kernel, &t, &short_rays);
+            const rk_counters got = count_closest(kernel, &t, &rays);
+            const rk_counters want = count_closest(kernel, &t, &short_rays);
             rk_check(got.box_tests <= want.box_tests + 16 &&
                          got.triangle_tests <= want.triangle_tests + 128,
                      "%s: %llu boxes and %llu triangles are tested, %llu and %llu by rays that end "
@@ -798,7 +799,7 @@ static void a_tile_that_misses_tests_one_node(void **state)
         check_batch(&t, &rays, "case that misses", i);
         for (int k = 0; k < name_count; k++) {
             const rk_wide_kernel *kernel = rk_wide_kernel_named(names[k], NULL);
-            const uint64_t boxes = kernel ? count_tile(kernel, &t, &rays).box_tests : 0;
+            const uint64_t boxes = kernel ? count_closest(kernel, &t, &rays).box_tests : 0;
             rk_check(!kernel || (cases[i].is_tile ? boxes == RK_WIDE_CHILDREN
                                                   : boxes >= 15 * RK_WIDE_CHILDREN),
                      "%s, case %u: %llu boxes are tested", names[k], i, (unsigned long long)boxes);
